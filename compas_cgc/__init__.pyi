@@ -32,6 +32,11 @@ from .model.goals.wholes import Length as Length
 from .model.goals.wholes import Rise as Rise
 from .model.goals.wholes import Unknown as Unknown
 from .model.goals.wholes import Volume as Volume
+from .model.laws import ConstantCurvature as ConstantCurvature
+from .model.laws import ConstantMeanCurvature as ConstantMeanCurvature
+from .model.laws import Law as Law
+from .model.laws import LinearWeingarten as LinearWeingarten
+from .model.laws import Minimal as Minimal
 from .model.problem import CGCProblem as CGCProblem
 from .rationalisation.run import rationalise as rationalise
 from .solvers.flow import FlowSettings as FlowSettings

@@ -47,6 +47,9 @@ from ..model.given import no_region
 from ..model.given import no_vertex
 from ..model.given import vertex_names
 from ..model.given import vertex_paths
+from ..model.laws import ConstantCurvature
+from ..model.laws import Law
+from ..model.laws import as_law
 from ..model.problem import CGCProblem
 from ..model.problem import Drawing
 from ..model.problem import Names
@@ -84,7 +87,8 @@ class CGCMesh(Mesh):
     dummy     outside the real mesh, never part of a result
     ========  ==========================================================
 
-    and a ``target`` K̄ [1/L^2], used at internal vertices. Along creases, ``s`` and ``e``
+    and a ``target`` K̄ [1/L^2], used at internal vertices. Faces of regions with another law than
+    constant K have it as their ``law``, see :meth:`set_law`. Along creases, ``s`` and ``e``
     override the settings of the flow. From a flat drawing, a surface of K > 0 rises to the
     side to which the face normals point; :meth:`flip` reverses them.
 
@@ -95,7 +99,7 @@ class CGCMesh(Mesh):
     default_edge_attributes
         Defaults of edge attributes besides ``is_crease``.
     default_face_attributes
-        Defaults of face attributes.
+        Defaults of face attributes besides ``law``.
     name
         Name of the mesh.
 
@@ -110,6 +114,7 @@ class CGCMesh(Mesh):
 
     VERTEX_DEFAULTS = {"role": "internal", "target": None, "s": None, "e": None}
     EDGE_DEFAULTS = {"is_crease": False}
+    FACE_DEFAULTS = {"law": None}
     origin: Optional[Origin] = None  # for the mesh of a result: the problem that its surface solves
 
     def __init__(
@@ -123,7 +128,7 @@ class CGCMesh(Mesh):
         super().__init__(
             default_vertex_attributes={**self.VERTEX_DEFAULTS, **(default_vertex_attributes or {})},
             default_edge_attributes={**self.EDGE_DEFAULTS, **(default_edge_attributes or {})},
-            default_face_attributes=default_face_attributes,
+            default_face_attributes={**self.FACE_DEFAULTS, **(default_face_attributes or {})},
             name=name,
             **kwargs,
         )
@@ -174,8 +179,8 @@ class CGCMesh(Mesh):
             f"  {len(self.supports())} supports, {len(self.creases())} creases, {len(self.goals())} goals",
         ]
         for number, faces in enumerate(regions[:12]):
-            K = self.region_target(number)
-            asked = "no single K" if K is None else f"K = {K:g}"
+            K, law = self.region_target(number), self._law_of(faces)
+            asked = str(law) if law is not None else "no single K" if K is None else f"K = {K:g}"
             lines.append(f"  region {number}: {len(faces)} faces, {asked}")
         if len(regions) > 12:
             lines.append(f"  and {len(regions) - 12} more regions")
@@ -229,6 +234,10 @@ class CGCMesh(Mesh):
         for key in keys:
             own = {name: value for name, value in mesh.vertex[key].items() if value is not None}
             result.vertex[key].update(own)
+        for face in result.faces():
+            law = mesh.facedata.get(face, {}).get("law")
+            if law is not None:
+                result.facedata.setdefault(face, {})["law"] = law
         result.edgedata = {edge: dict(values) for edge, values in mesh.edgedata.items() if _has_edge(result, edge)}
         result.attributes.update({name: value for name, value in mesh.attributes.items() if name != "name"})
         if getattr(mesh, "_name", None) is not None:
@@ -413,6 +422,7 @@ class CGCMesh(Mesh):
             e=self._numbers("e"),
             creases=self._positions(np.array(self.crease_edges(), dtype=np.int64).reshape(-1, 2)),
             goals=self.goals(),
+            laws=self._laws(),
             names=names,
             drawing=Drawing(self.name or "mesh", self.attributes.get("units"), self.attributes.get("tolerance")),
             origin=self.origin,
@@ -436,6 +446,7 @@ class CGCMesh(Mesh):
         known = {"units": problem.drawing.units, "tolerance": problem.drawing.tolerance}
         mesh.attributes.update({name: value for name, value in known.items() if value is not None})
         mesh.set_goals(problem.goals)
+        mesh._set_laws(problem.laws)
         mesh.origin = problem.origin
         return mesh
 
@@ -783,11 +794,63 @@ class CGCMesh(Mesh):
         value = _number(K, "the target")
         if region is not None and vertices is not None:
             raise ValueError("give a region or vertices for the target, not both")
+        laws = self._laws() if vertices is None else {}
+        self._set_laws({number: None for number in laws if region in (None, number)})
         if region is not None:
             keys: Iterable[int] = self.region_vertices(region)
         else:
             keys = self.vertices() if vertices is None else [self._known(key) for key in vertex_names(vertices, "vertices")]
         self.vertices_attribute("target", value, keys=list(keys))
+
+    def set_law(self, law: Union[Law, str, float], region: Optional[int] = None) -> None:
+        """Set the law of the mean curvature H and the Gaussian curvature K everywhere or in a region.
+
+        Parameters
+        ----------
+        law
+            A value such as ``ConstantMeanCurvature(0.1)``, or a text such as ``minimal``, ``H = 0.1`` or ``2 H + 0.5 K = 0.3``.
+            :class:`ConstantCurvature` sets the target.
+        region
+            Number of a region, see :meth:`regions`.
+
+        Examples
+        --------
+        >>> mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
+        >>> mesh.set_law("H = 0.1")
+        >>> mesh.region_law(0)
+        ConstantMeanCurvature(h=0.1)
+        """
+        own = as_law(law)
+        if isinstance(own, ConstantCurvature):
+            self.set_target(float(own.k), region)
+            return
+        numbers = range(len(self.regions())) if region is None else [region]
+        for number in numbers:
+            self.vertices_attribute("target", None, keys=self.region_vertices(number))
+        self._set_laws(dict.fromkeys(numbers, own))
+
+    def region_law(self, region: int) -> Optional[Law]:
+        """Return the law of a region, None if it has none and not one target."""
+        K = self.region_target(region)
+        return self._law_of(self.regions()[region]) or (None if K is None else ConstantCurvature(K))
+
+    def _law_of(self, faces: Iterable[int]) -> Optional[Law]:
+        texts = {self.face_attribute(face, "law") for face in faces} - {None}
+        return as_law(texts.pop()) if len(texts) == 1 else None
+
+    def _laws(self) -> dict[int, Law]:
+        """Return the laws of the regions that have one other than constant K."""
+        if not any(values.get("law") for values in self.facedata.values()):
+            return {}
+        laws = {number: self._law_of(faces) for number, faces in enumerate(self.regions())}
+        return {number: law for number, law in laws.items() if law is not None}
+
+    def _set_laws(self, laws: Mapping[int, Optional[Law]]) -> None:
+        """Set or remove (None) the laws of regions."""
+        regions = self.regions() if laws else []
+        for number, law in laws.items():
+            for face in regions[number]:
+                self.facedata.setdefault(face, {})["law"] = None if law is None else str(law)
 
     def vertex_target(self, key: int, K: Optional[float] = None) -> Optional[float]:
         """Get or set the target of a vertex [1/L^2]."""

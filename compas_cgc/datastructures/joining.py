@@ -24,6 +24,7 @@ from ..model.goals.wholes import Area
 from ..model.goals.wholes import Rise
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import Volume
+from ..model.laws import Law
 
 if TYPE_CHECKING:
     from .cgcmesh import CGCMesh
@@ -128,7 +129,7 @@ def weld(mesh: CGCMesh, precision: Optional[int]) -> None:
     merged = {key for key, survivor in kept.items() if key != survivor}
     if not merged:
         return
-    target_of = _region_target_by_face(mesh)
+    law_of = _region_law_by_face(mesh)
     for key in merged:
         _merge(mesh.vertex[kept[key]], mesh.vertex[key])
     number = {key: i for i, key in enumerate(key for key in keys if key not in merged)}
@@ -149,14 +150,14 @@ def weld(mesh: CGCMesh, precision: Optional[int]) -> None:
     for u in survivors:
         for v, face in mesh.halfedge[u].items():
             across = mesh.halfedge[v].get(u)
-            if u < v and v in survivors and face is not None and across is not None and target_of.get(face) != target_of.get(across):
+            if u < v and v in survivors and face is not None and across is not None and law_of.get(face) != law_of.get(across):
                 mesh.edge_attribute((u, v), "is_crease", True)
     mesh.origin = None
     mesh.update_roles()
 
 
-def _region_target_by_face(mesh: CGCMesh) -> dict[int, Optional[float]]:
-    return {face: K for number, faces in enumerate(mesh.regions()) for K in [mesh.region_target(number)] for face in faces}
+def _region_law_by_face(mesh: CGCMesh) -> dict[int, Optional[Law]]:
+    return {face: law for number, faces in enumerate(mesh.regions()) for law in [mesh.region_law(number)] for face in faces}
 
 
 def _merge(kept: dict, merged: dict) -> None:

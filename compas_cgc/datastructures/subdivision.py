@@ -72,6 +72,7 @@ def _subdivided_once(mesh: CGCMesh, scheme: str, options: dict) -> CGCMesh:
     made.name = mesh.name
     made.set_goals(_refined_goals(mesh, made, middle))
     made.update_roles()
+    made._set_laws(mesh._laws())
     return made
 
 

@@ -30,7 +30,7 @@ def transform(mesh: CGCMesh, T: Any) -> None:
     try:
         motion = similarity_of(T)
     except ValueError:
-        if mesh.goals() or mesh.origin is not None or any(own.get("target") is not None for own in mesh.vertex.values()):
+        if mesh.goals() or mesh._laws() or mesh.origin is not None or any(own.get("target") is not None for own in mesh.vertex.values()):
             raise
         Mesh.transform_numpy(mesh, getattr(T, "matrix", T))
         return
@@ -51,4 +51,5 @@ def transform(mesh: CGCMesh, T: Any) -> None:
     if motion.reflects:
         mesh.flip_cycles()
     mesh.set_goals(goals)
+    mesh._set_laws({number: law.scaled(motion.scale) for number, law in mesh._laws().items()})
     mesh.origin = origin

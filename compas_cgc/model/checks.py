@@ -27,6 +27,7 @@ from ..meshing.existence import plane_of
 from .bulging import two_sided_supports
 from .goals.binding import unknown_regions
 from .goals.contradictions import goal_problems
+from .law_problems import law_problems
 from .measures import is_smooth_alone
 from .measures import read_across
 from .problem import CGCProblem
@@ -81,6 +82,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     sound = not any(said.fatal for said in problems)
     # On a mesh with faults the later checks would report consequences of the first ones.
     problems += _role_problems(problem, names.vertices, sound) + _target_problems(problem, names.vertices)
+    problems += law_problems(problem) if sound else []
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
         problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real) + _corner_problems(real)
@@ -279,7 +281,7 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
         if not around:
             closed = "the mesh is closed; the only closed smooth surface of constant K is a sphere"
             problems.append(Diagnostic(closed, fatal=False))
-        targets = problem.targets[own[(roles[own] == INTERNAL) & ~unknown[own]]]
+        targets = problem.targets[own[problem.asked[own] & ~unknown[own]]]
         if p in creased or not all((roles[loop] == FIXED).all() for loop in around) or not len(targets) or targets.min() <= 0:
             continue
         corners = F[piece == p]
@@ -292,7 +294,7 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
             )
         if len(around) == 1:
             inner = np.zeros(len(V), bool)
-            inner[own[roles[own] == INTERNAL]] = True
+            inner[own[problem.asked[own]]] = True
             problems += existence_problems(V, corners, around[0], problem.targets, inner)
     return problems
 

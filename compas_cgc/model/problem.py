@@ -41,6 +41,9 @@ from .given import no_vertex
 from .given import vertex_names
 from .given import vertex_paths
 from .given import wrong_problem
+from .laws import ConstantCurvature
+from .laws import Law
+from .laws import as_law
 from .motion import Similarity
 from .motion import similarity_of
 from .roles import CREASE
@@ -54,6 +57,7 @@ from .roles import roles_by_place
 __all__ = ["CGCProblem", "Drawing", "Names", "Origin", "PosesProblem", "problem_of"]
 
 Targets = Union[float, ArrayLike, Mapping[int, float]]
+Laws = Union[Law, str, float, Mapping[int, Union[Law, str, float]]]
 
 
 class Names(NamedTuple):
@@ -132,6 +136,8 @@ class CGCProblem:
     creases
         ``(c, 2)`` int64 edges along which the surface may fold, which divide it into regions; or paths of vertices
         ``[u, v, w, ...]``.
+    laws
+        Laws of regions other than constant K, by the number of the region; targets do not count there.
     goals
         Requirements besides K, each a :class:`Constraint` or its plain data; they refer to vertices by index.
     names
@@ -167,6 +173,7 @@ class CGCProblem:
     e: FloatArray = np.nan  # type: ignore[assignment]
     creases: IntArray = ()  # type: ignore[assignment]
     goals: tuple[Constraint, ...] = ()
+    laws: Mapping[int, Law] = field(default_factory=dict)
     names: Names = None  # type: ignore[assignment]
     drawing: Drawing = field(default=Drawing())
     origin: Optional[Origin] = None
@@ -183,6 +190,7 @@ class CGCProblem:
         put("roles", _roles_of_places(V, F, self.creases) if self.roles is None else role_numbers(self.roles, n))
         for name in ("targets", "s", "e"):
             put(name, _column(getattr(self, name), n, name))
+        put("laws", self._checked_laws())
         put("goals", as_goals(self.goals))
         check_indices(self.goals, n)
         put("names", Names(np.arange(n), np.arange(len(F))) if self.names is None else _checked_names(self.names, n, len(F)))
@@ -272,12 +280,58 @@ class CGCProblem:
             targets, within = self.targets.copy(), self._within_regions(K)
             for number, value in K.items():
                 targets[within[number]] = checked_number(value, "a target")
-            return replace(self, targets=targets)
+            return replace(self, targets=targets, laws={number: law for number, law in self.laws.items() if number not in K})
         given = _column(K, len(self.vertices), "targets")
         mask = ~np.isnan(given) if np.ndim(K) else np.ones(len(given), bool)
+        laws = self.laws if np.ndim(K) else {}
         if region is not None:
             mask &= self.region_vertices(region)
-        return replace(self, targets=np.where(mask, given, self.targets))
+            laws = {number: law for number, law in self.laws.items() if number != region}
+        return replace(self, targets=np.where(mask, given, self.targets), laws=laws)
+
+    def with_laws(self, laws: Laws) -> CGCProblem:
+        """Return the problem with these laws of regions.
+
+        Parameters
+        ----------
+        laws
+            One law for all regions, or a dict of laws by region: values such as ``ConstantMeanCurvature(0.1)`` or texts such as
+            ``"H = 0.1"``. :class:`ConstantCurvature` sets the targets of the region.
+
+        Raises
+        ------
+        ValueError
+            If a region does not exist or a text is no law.
+
+        Examples
+        --------
+        >>> problem = CGCProblem([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).with_laws("H = 0.1")
+        >>> problem.laws
+        {0: ConstantMeanCurvature(h=0.1)}
+        """
+        by_region = laws if isinstance(laws, Mapping) else dict.fromkeys(range(self.number_of_regions()), laws)
+        given, within = {region: as_law(law) for region, law in by_region.items()}, self._within_regions(by_region)
+        targets, own = self.targets.copy(), dict(self.laws)
+        for region, law in given.items():
+            own.pop(region, None)
+            if isinstance(law, ConstantCurvature):
+                targets[within[region]] = law.k
+            else:
+                own[region] = law
+                targets[within[region]] = np.nan
+        return replace(self, targets=targets, laws=own)
+
+    def region_laws(self) -> list[Optional[Law]]:
+        """Return the law of every region of the real mesh, None where a region has no law and not one target."""
+        targets = self.region_targets()
+        constant = [None if K is None else ConstantCurvature(K) for K in targets]
+        return [self.laws.get(region, law) for region, law in enumerate(constant)]
+
+    def _checked_laws(self) -> Mapping[int, Law]:
+        laws = dict(self.laws or {})
+        if laws:
+            self._within_regions(laws)
+        return {int(region): as_law(laws[region]) for region in sorted(laws)}
 
     def with_goals(self, goals: Iterable[Union[Constraint, Mapping[str, object]]], add: bool = True) -> CGCProblem:
         """Return the problem with these goals, added to the present ones unless `add` is false.
@@ -336,13 +390,14 @@ class CGCProblem:
             vertices=motion.points(self.vertices),
             faces=self.faces[:, ::-1] if motion.reflects else self.faces,
             targets=self.targets / motion.scale**2,
+            laws={region: law.scaled(motion.scale) for region, law in self.laws.items()},
             goals=moved_goals(self.goals, motion),
             drawing=self.drawing._replace(tolerance=tolerance, places=places),
             origin=origin,
         )
 
     def flipped(self) -> CGCProblem:
-        """Return the problem with all faces flipped."""
+        """Return the problem with all faces flipped; laws then refer to the new normals."""
         return replace(self, faces=self.faces[:, ::-1])
 
     # ------------------------------------------------------------------
@@ -357,14 +412,17 @@ class CGCProblem:
         was, now = self.origin.drawn, self
         same = np.array_equal(self.origin.vertices, now.vertices) and was.goals == now.goals
         same = same and all(np.array_equal(getattr(was, name), getattr(now, name)) for name in ("faces", "roles", "creases"))
-        if not same or np.array_equal(was.targets, now.targets, equal_nan=True):
+        if not same or (np.array_equal(was.targets, now.targets, equal_nan=True) and was.laws == now.laws):
             return None
         return replace(self, vertices=was.vertices, origin=None)
 
     @property
     def asked(self) -> NDArray[np.bool_]:
-        """Mask of the vertices with a target, N_I of the paper (n,)."""
-        return self.roles == INTERNAL
+        """Mask of the vertices with a target, N_I of the paper (n,): internal ones of regions without another law than constant K."""
+        internal = self.roles == INTERNAL
+        if self.laws:
+            internal[self.faces[np.isin(self.regions(), list(self.laws))]] = False
+        return internal
 
     @property
     def movable(self) -> NDArray[np.bool_]:
@@ -499,6 +557,7 @@ class CGCProblem:
             self,
             vertices=frame.to_local(self.vertices),
             targets=self.targets * frame.scale**2,
+            laws={region: law.scaled(1.0 / frame.scale) for region, law in self.laws.items()},
             goals=tuple(constraint.transformed(frame) for constraint in self.goals),
         )
         return local, frame

@@ -34,6 +34,7 @@ class Choice(NamedTuple):
 
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
+LAWS = Choice("bending", "it alone takes laws other than constant K")
 DRAWN_IN = Choice("projection", "free edges leave their drawn lines where no fair surface stays over them")
 DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
@@ -63,6 +64,8 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
 
 
 def _choices(problem: CGCProblem) -> list[Choice]:
+    if problem.laws:
+        return [LAWS]
     if problem.goals:
         return [ONE_UNKNOWN, GOALS] if held_by_newton(problem) else [GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)

@@ -23,6 +23,7 @@ from ..model.constraints import Proximity
 from ..model.goals.inequalities import Bound
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import Whole
+from ..model.laws import Law
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import DUMMY
@@ -134,7 +135,6 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step)
     if found is None or len(found.kept) + len(found.within) > largest * len(V):
         return None
-    coarse = _posed(problem, found)
     labels = problem.regions()
     belongs = np.zeros((len(V), labels.max() + 1), bool)
     belongs[F.ravel(), np.repeat(labels, 3)] = True
@@ -142,12 +142,13 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     here = np.vstack([belongs[found.kept], inner])
     if not here.any(axis=0).all():
         return None
+    coarse = _posed(problem, found, here)
     places = np.vstack([plan[found.kept], np.einsum("pk,pkx->px", found.weights, plan[F[found.within]])])
     return Coarse(coarse, problem, (places, plan), (here, belongs), found.kept, up)
 
 
-def _posed(problem: CGCProblem, found: CoarsePlan) -> CGCProblem:
-    """Return the problem on a coarser mesh."""
+def _posed(problem: CGCProblem, found: CoarsePlan, here: Mask) -> CGCProblem:
+    """Return the problem on a coarser mesh, whose vertices belong to regions (k, r)."""
     corners, asked = problem.faces[found.within], problem.asked
     # A target between vertices is theirs, without those where none is.
     heard = found.weights * asked[corners]
@@ -156,17 +157,29 @@ def _posed(problem: CGCProblem, found: CoarsePlan) -> CGCProblem:
     theirs = np.where(asked, problem.targets, 0.0)[corners]
     loudest = theirs[np.arange(len(theirs)), heard.argmax(axis=1)]
     between = loudest + np.einsum("pk,pk->p", heard, theirs - loudest[:, None])
+    inside = (found.weights * (problem.roles == INTERNAL)[corners]).any(axis=1)
     index = np.full(len(problem.vertices), -1)
     index[found.kept] = np.arange(len(found.kept))
     lines = found.lines
-    return CGCProblem(
+    coarse = CGCProblem(
         np.vstack([problem.vertices[found.kept], np.einsum("pk,pkx->px", found.weights, problem.vertices[corners])]),
         found.faces,
-        np.concatenate([problem.roles[found.kept], np.where(told, INTERNAL, FREE)]),
+        np.concatenate([problem.roles[found.kept], np.where(inside, INTERNAL, FREE)]),
         np.concatenate([problem.targets[found.kept], between]),
         creases=lines[_creased(problem)[found.kept][lines].all(axis=1)],
         goals=tuple(own.renumbered(index) for own in problem.goals),
     )
+    return coarse.with_laws(_laws(problem, coarse, here)) if problem.laws else coarse
+
+
+def _laws(problem: CGCProblem, coarse: CGCProblem, here: Mask) -> dict[int, Law]:
+    """Return the laws by the regions of a coarser mesh, whose faces lie in the regions that have all their vertices."""
+    regions, inside = coarse.regions(), np.asarray(here[coarse.faces].all(axis=1))
+    laws = {}
+    for region, law in problem.laws.items():
+        alone = inside[:, region] & (inside.sum(axis=1) == 1)
+        laws.update(dict.fromkeys(np.unique(regions[alone]).tolist(), law))
+    return laws
 
 
 def _plan(V: FloatArray, F: IntArray) -> Optional[tuple[FloatArray, FloatArray]]:

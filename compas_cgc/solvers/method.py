@@ -34,6 +34,8 @@ class Method(NamedTuple):
         It holds what is asked besides K.
     any_sign
         It reaches negative K̄.
+    any_law
+        It takes laws other than constant K.
 
     Examples
     --------
@@ -48,3 +50,4 @@ class Method(NamedTuple):
     solve: Callable[[CGCProblem, Any, Callback], Solution]  # its vertices are those of the problem, in its order
     holds_constraints: bool = False  # it holds what is asked besides K
     any_sign: bool = False  # it reaches negative K̄
+    any_law: bool = False  # it takes laws other than constant K

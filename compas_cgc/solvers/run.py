@@ -24,6 +24,7 @@ from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import is_of_whole
 from ..model.problem import CGCProblem
+from ..model.problem import Laws
 from ..model.problem import PosesProblem
 from ..model.problem import Targets
 from ..model.problem import problem_of
@@ -67,6 +68,7 @@ def solve(
     method: str = "auto",
     settings: Union[Settings, Mapping[str, Any], None] = None,
     targets: Optional[Targets] = None,
+    laws: Optional[Laws] = None,
     goals: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
     unknown: Union[str, Iterable[int]] = (),
     callback: Callback = None,
@@ -99,6 +101,9 @@ def solve(
         by name; with ``"auto"`` settings of one method choose it.
     targets
         K̄ other than those of the problem: a number for all, one per vertex, or a number by region [1/L^2].
+    laws
+        Laws other than those of the problem: one for all regions, or by region, as values such as ``ConstantMeanCurvature(0.1)`` or
+        texts such as ``"H = 0.1"``.
     goals
         Requirements besides K, in addition to those of the problem: values such as ``Rise(4)`` and ``Height([12], 3)``, or their
         plain data such as ``{"kind": "rise", "rise": 4}``. Vertices are counted in the order of the mesh.
@@ -136,9 +141,11 @@ def solve(
     regions = _unknown_regions(unknown)
     found = [Unknown(regions)] if len(regions) else []
     posed = posed if targets is None else posed.with_targets(targets)
+    posed = posed if laws is None else posed.with_laws(laws)
     posed = posed.with_goals([*as_goals(goals), *found])
     posed = _found_for_goals(posed)
     own = method if chosen is None else method_of(chosen)
+    _check_laws(own, posed)
     _check_constraints(own, posed)
     told = callback and _RealOnly(callback, posed.roles != DUMMY)
     drawn = posed.drawn if own in ("auto", "bending", "projection") else None
@@ -148,7 +155,7 @@ def solve(
     solution = solved_on(surface, posed, own, chosen, told) if drawn is not None else None
     if solution is None:
         solution = _run(method, posed, chosen, told)
-    mesh = problem if isinstance(problem, CGCMesh) and targets is None else None
+    mesh = problem if isinstance(problem, CGCMesh) and targets is None and laws is None else None
     return SolveResult.from_solution(posed, solution, chosen, mesh, diagnostics)
 
 
@@ -181,6 +188,12 @@ def chosen_settings(method: str, settings: Union[Settings, Mapping[str, Any], No
     if own == "auto" and method != "auto":
         return settings_for(method, settings.to_dict())
     return settings
+
+
+def _check_laws(method: str, problem: CGCProblem) -> None:
+    if problem.laws and method != "auto" and not METHODS[method].any_law:
+        able = " or ".join(repr(own.name) for own in METHODS.values() if own.any_law)
+        raise ValueError(f"only the method {able} takes laws other than constant K; use it, or 'auto' without settings of another method")
 
 
 def _check_constraints(method: str, problem: CGCProblem) -> None:

@@ -53,18 +53,18 @@ def moves_by_curvature(
     posed = posed_as_set(problem, settings)
     own, frame = posed.lagrangian, posed.frame
     here, multipliers = from_surface(own, frame.to_local(vertices)), np.zeros(len(own.rows))
-    for step in steps(own, here, places(own), posed.size, posed.problem.target_scale):
+    for step in steps(own, here, places(own), posed.size):
         here, multipliers = step.state, step.multipliers
         if step.settled or step.number == STEPS:
             break
     model, saddle = own.model(here, multipliers), Saddle(places(own))
-    saddle.factorise(own.pattern.matrix(model, model.hessian, 0.0, regularisation(own, posed.problem.target_scale)))
+    saddle.factorise(own.pattern.matrix(model, model.hessian, 0.0, regularisation(own)))
     averages = own.mesh.averages(here.operators)
     found = {}
     for number, group in groups.items():
         rate = np.where(np.isfinite(posed.problem.targets), 0.0, np.nan)
         rate[group] = 1.0
-        chosen = pair_targets(replace(posed.problem, targets=rate), own.mesh)[own.rows]
+        chosen = np.nan_to_num(pair_targets(replace(posed.problem, targets=rate), own.mesh)[own.rows])
         pull = own.area_derivative(here, multipliers * chosen)
         solution = saddle.solve(np.concatenate([pull, chosen * averages.areas[own.rows]]))
         unknowns = np.zeros(own.mesh.unknowns)

@@ -21,6 +21,8 @@ from ...discrete.mid_edge import TRACE
 from ...discrete.mid_edge import MidEdgeMesh
 from ...discrete.mid_edge import ShapeOperators
 from ...discrete.mid_edge import determinants
+from ...model.laws import ConstantCurvature
+from ...model.laws import Piecewise
 
 __all__ = ["Lagrangian", "Model", "State"]
 
@@ -36,7 +38,7 @@ class State(NamedTuple):
     unknowns: FloatArray  # (u,) moves of the vertices [L], then angles [rad]
     operators: ShapeOperators
     energy: float
-    residuals: FloatArray  # (r,) integrals of K - K̄ over the cells of the equations [rad]
+    residuals: FloatArray  # (r,) integrals of the residuals of the laws over the cells of the equations
 
     def merit(self, weight: float) -> float:
         """Return the energy plus a weight times the sum of the absolute residuals."""
@@ -58,10 +60,12 @@ class Lagrangian:
 
     .. math:: E = \sum_f A_f |S_f|^2 + \frac1\ell \sum_e l_e \vartheta_e^2 + \frac1{d^4} \sum_i A_i u_i^2
                   + \sum_p \sum_{f \in p} A_f |S_f - L_p|^2, \qquad
-              r_p = A_p (K_p - \bar K_p) = \frac{\det T_p}{A_p} - \bar K_p A_p,
+              r_p = A_p f_p(H_p, K_p), \\
+              H_p = \frac{\operatorname{tr} T_p}{2 A_p}, \qquad K_p = \frac{\det T_p}{A_p^2},
 
-    with the folds :math:`\vartheta_e` of crease edges, the moves :math:`u_i` of the vertices and their areas :math:`A_i`, the linear
-    functions :math:`L_p` fitted to the shape operators about every pair of vertex and region, and the sums :math:`T_p` of
+    with the laws :math:`f_p = 0`, such as :math:`K - \bar K = 0`, the folds :math:`\vartheta_e` of crease edges, the moves
+    :math:`u_i` of the vertices and their areas :math:`A_i`, the linear functions :math:`L_p` fitted to
+    the shape operators about every pair of vertex and region, and the sums :math:`T_p` of
     :math:`A_f S_f` and :math:`A_p` of areas over its faces.
 
     Parameters
@@ -72,8 +76,10 @@ class Lagrangian:
         ``(n, 3)`` the vertices before they move [L].
     free
         ``(n,)`` vertices that move.
-    targets
-        ``(p,)`` K̄ of the pairs, NaN where no equation holds [1/L^2].
+    rows
+        ``(r,)`` pairs where an equation holds.
+    law
+        The laws of these pairs.
     fold_length
         ℓ: a strip of this width beside a crease bends as easily as the crease folds [L].
     """
@@ -82,12 +88,10 @@ class Lagrangian:
     waves = math.inf  # d: shorter waves of the drawing are smoothed, longer ones kept [L]
 
     def __init__(
-        self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, targets: FloatArray, fold_length: float
+        self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, rows: IntArray, law: Piecewise, fold_length: float
     ):  # fmt: skip
-        self.mesh, self.drawing = mesh, drawing
-        self._posed = free, targets, fold_length
-        self.rows: IntArray = np.flatnonzero(np.isfinite(targets))
-        self.targets = targets[self.rows]
+        self.mesh, self.drawing, self.rows, self.law = mesh, drawing, rows, law
+        self._posed = free, rows, law, fold_length
         self.free: IntArray = np.concatenate([np.flatnonzero(free), np.arange(len(drawing), mesh.unknowns)])
         self.moves = int(free.sum())  # of the free unknowns, those that are moves come first
         ends = drawing[mesh.angles.ends[mesh.angles.folds[:, 0]]]
@@ -95,6 +99,7 @@ class Lagrangian:
         self._fold_weights = 2.0 / fold_length * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         areas = mesh.at(drawing, np.zeros(len(mesh.angles.ends))).areas
         self.cells: FloatArray = (mesh.incidence @ areas)[self.rows]
+        self.scales = law.scales(float(areas.sum()))  # that the residuals of the laws are compared with (r,)
         self.kept: FloatArray = np.zeros(mesh.unknowns)  # second derivatives of the energy that keeps the drawing (u,)
         self.pattern = _Pattern(self)
         self.uneven = self.pattern.unevenness(self, areas)
@@ -103,6 +108,17 @@ class Lagrangian:
     def size(self) -> int:
         """Number of free unknowns."""
         return len(self.free)
+
+    @property
+    def types(self) -> FloatArray:
+        """Signs of the discriminants of the laws of the equations on flat surfaces: 1 elliptic, 0 parabolic, -1 hyperbolic (r,)."""
+        flat = np.zeros(len(self.rows))
+        return np.sign(self.law.discriminant(flat, flat))
+
+    @property
+    def is_determined(self) -> bool:
+        """Whether as many elliptic equations as moves leave the energy no choice, as where H is prescribed within a held rim."""
+        return len(self.rows) >= self.moves and bool((self.types > 0.0).all())
 
     @property
     def has_plan(self) -> bool:
@@ -119,8 +135,10 @@ class Lagrangian:
 
     def on(self, drawing: FloatArray) -> Lagrangian:
         """Return the energy of another drawing (n, 3) without supports, whose curvature is not prescribed."""
-        nowhere = np.full(len(self.mesh.pairs), np.nan)
-        return Lagrangian(self.mesh, drawing, np.ones(len(drawing), bool), nowhere, self._posed[2])
+        nowhere = np.zeros(0, np.int64)
+        return Lagrangian(
+            self.mesh, drawing, np.ones(len(drawing), bool), nowhere, Piecewise([ConstantCurvature(np.zeros(0))], nowhere), self._posed[-1]
+        )
 
     def over(self, drawing: FloatArray, side: float) -> Lagrangian:
         """Return the same problem over another drawing (n, 3), and the side to which domes rise, 1 or -1."""
@@ -136,13 +154,18 @@ class Lagrangian:
     def at(self, unknowns: FloatArray) -> State:
         """Return energy and residuals for unknowns (u,)."""
         operators = self.mesh.at(self.vertices(unknowns), unknowns[len(self.drawing) :])
-        averages = self.mesh.averages(operators)
-        T, A = averages.tensors[self.rows], averages.areas[self.rows]
+        T, A, H, K = self.curvatures(operators)
         folds = self.folds(unknowns)
         S = operators.tensors / operators.areas[:, None]
         uneven = EVENNESS * float(np.einsum("me,e,me->", S, OCCURRENCES, self.uneven @ S))
         energy = float(operators.bending.sum() + 0.5 * (self._fold_weights @ folds**2 + self.kept @ unknowns**2)) + uneven
-        return State(unknowns, operators, energy, determinants(T) / A - self.targets * A)
+        return State(unknowns, operators, energy, A * self.law.residual(H, K))
+
+    def curvatures(self, operators: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return the summed tensors (r, 6), areas, mean and Gaussian curvatures (r,) of the pairs of the equations."""
+        averages = self.mesh.averages(operators)
+        T, A = averages.tensors[self.rows], averages.areas[self.rows]
+        return T, A, 0.5 * T @ TRACE / A, determinants(T) / A**2
 
     def folds(self, unknowns: FloatArray) -> FloatArray:
         """Return the folds of the crease edges (c,) [rad]."""
@@ -169,11 +192,7 @@ class Lagrangian:
         stretching = _second(np.zeros((len(A), 6, 6)), -uneven / A[:, None], 2.0 * stretched / A)
         convex = slopes.transpose(0, 2, 1) @ bending_curvature @ slopes
 
-        averages = self.mesh.averages(own)
-        cell_T, cell_A = averages.tensors[self.rows], averages.areas[self.rows]
-        det = determinants(cell_T)
-        row_by_tensor, row_by_area = (cell_T @ DETERMINANT) / cell_A[:, None], -det / cell_A**2 - self.targets
-        row_curvature = _second(DETERMINANT / cell_A[:, None, None], -row_by_tensor / cell_A[:, None], 2.0 * det / cell_A**3)
+        row_by_tensor, row_by_area, row_curvature = self._laws(own)
         onto = self.mesh.incidence[self.rows].T
         weighed = multipliers[:, None] * row_by_tensor
         curved = own.second_derivatives(by_tensor + onto @ weighed, by_area + onto @ (multipliers * row_by_area))
@@ -182,6 +201,21 @@ class Lagrangian:
         rows = np.column_stack([row_by_tensor, row_by_area])
         parts = _Parts(gradient, convex, curved, slopes, shape_slopes, rows, multipliers[:, None, None] * row_curvature)
         return self.pattern.model(self, state, parts)
+
+    def _laws(self, operators: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the derivatives of the residuals by summed tensors (r, 6) and areas (r,), and the second ones by both (r, 7, 7)."""
+        T, A, H, K = self.curvatures(operators)
+        f, (by_H, by_K) = self.law.residual(H, K), self.law.first_derivatives(H, K)
+        slope = (by_K / A)[:, None] * (T @ DETERMINANT)
+        curvature = _second((by_K / A)[:, None, None] * DETERMINANT, -slope / A[:, None], 2.0 * by_K * K / A)
+        second = self.law.second_derivatives(H, K)
+        if second is not None:
+            HH, HK, KK = second
+            of_H = np.column_stack([np.tile(0.5 * TRACE, (len(A), 1)), -H]) / A[:, None]
+            of_K = np.column_stack([T @ DETERMINANT / A[:, None], -2.0 * A * K]) / (A**2)[:, None]
+            pull_H, pull_K = HH * of_H.T + HK * of_K.T, HK * of_H.T + KK * of_K.T
+            curvature += A[:, None, None] * (of_H[:, :, None] * pull_H.T[:, None] + of_K[:, :, None] * pull_K.T[:, None])
+        return 0.5 * by_H[:, None] * TRACE + slope, f - by_H * H - 2.0 * by_K * K, curvature
 
     def area_derivative(self, state: State, weights: FloatArray) -> FloatArray:
         """Return the derivative (q,) of the areas of the cells of the equations times weights (r,)."""

@@ -29,4 +29,5 @@ METHOD = Method(
     PolishSettings,
     _solve,
     any_sign=True,
+    any_law=True,
 )

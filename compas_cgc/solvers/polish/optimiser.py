@@ -18,7 +18,7 @@ from .saddle import Saddle
 __all__ = ["Step", "regularisation", "steps"]
 
 LONGEST = 0.25  # move of a vertex in a step, against the size of the mesh
-REGULARISATION = 1e-7  # of multipliers that equations hardly determine, against the area of their cells times the curvature
+REGULARISATION = 1e-7  # of multipliers that equations hardly determine, against the area of their cells times the scale of the law
 ABOVE, FORGET = 1.5, 0.7  # weight of the residuals in the merit, against the largest multiplier; what remains of an earlier one
 DECREASE = 1e-2  # part of the predicted decrease of the merit that a step must bring
 SHORTEST = 1e-3  # part of a step below which it is given up
@@ -39,7 +39,7 @@ class Step(NamedTuple):
     number: int  # from 1
 
 
-def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float, curvature: float) -> Iterator[Step]:
+def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float) -> Iterator[Step]:
     """Take steps to the least energy that meets the equations, until none leads any further.
 
     Every step solves
@@ -61,8 +61,6 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float,
         ``(q + r, d)`` places of unknowns and equations, for the order of elimination.
     size
         Size of the mesh [L].
-    curvature
-        Scale of the curvature [1/L^2].
 
     References
     ----------
@@ -71,7 +69,7 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float,
     """
     saddle, here = Saddle(points), start
     multipliers, weight, share, shift, number = np.zeros(len(lagrangian.rows)), 0.0, EXACT, 0.0, 0
-    below = regularisation(lagrangian, curvature)
+    below = regularisation(lagrangian)
     while True:
         model = lagrangian.model(here, multipliers)
         found = _factors(lagrangian, model, saddle, below, share, shift)
@@ -103,9 +101,9 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float,
             share, shift = min(EXACT, 4.0 * share) if share > 0.0 else EXACT, 0.0 if shift <= SHIFT else shift / GROW
 
 
-def regularisation(lagrangian: Lagrangian, curvature: float) -> FloatArray:
-    """Return D (r,) for a scale of the curvature [1/L^2]."""
-    return REGULARISATION * curvature * lagrangian.cells
+def regularisation(lagrangian: Lagrangian) -> FloatArray:
+    """Return D (r,)."""
+    return REGULARISATION * lagrangian.scales * lagrangian.cells
 
 
 def _factors(

@@ -16,6 +16,7 @@ from ...errors import ProblemError
 from ...errors import names_what_was_meant
 from ...linalg.work import until_spent
 from ...model.frame import Frame
+from ...model.laws import Law
 from ...model.measures import MID_EDGE
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
@@ -29,6 +30,7 @@ from ..coarse import laid_out_anew
 from .lagrangian import Lagrangian
 from .lagrangian import State
 from .optimiser import steps
+from .posed import pair_laws
 from .posed import posed
 from .settings import PolishSettings
 from .starts import from_surface
@@ -116,8 +118,8 @@ def polish(
     ends: list[_End] = []
     for state in begun:
         ends.append(search.ended(state))
-        # Where K̄ >= 0 the first side is the one that the drawing or its normals say.
-        enough = kept or bool(surfaces) or float(lagrangian.targets.min(initial=0.0)) >= 0.0
+        # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say.
+        enough = kept or bool(surfaces) or bool((lagrangian.types >= 0.0).all())
         if ends[-1].status in ("cancelled", "step_limit") or (ends[-1].arrived and enough and is_fair(ends[-1].state)):
             break
     found = _distinct([end for end in ends if end.arrived], lagrangian, size)
@@ -127,7 +129,9 @@ def polish(
     twins = {id(end) for end in found if _alike(end, found[0]) and fair[id(end)] == fair[id(found[0])]}
     found.sort(key=lambda end: (id(end) not in twins, -round(_rise(lagrangian, end.state), RISE_DIGITS) if id(end) in twins else 0.0))
     best = found[0] if found else min(ends, key=lambda end: _error(lagrangian, end.state))
-    error = _error(lagrangian, best.state) / frame.scale**2
+    _, _, H, K = lagrangian.curvatures(best.state.operators)
+    law = pair_laws(problem.without_dummies(), lagrangian.mesh)[1]
+    errors = law.largest(H / frame.scale, K / frame.scale**2)
     first = [next(k for k, other in enumerate(found) if _alike(end, other)) for end in found]
     branches = tuple(
         Branch(to_model(lagrangian.vertices(end.state.unknowns)), end.state.energy, fair[id(end)], twin if twin != k else None)
@@ -136,10 +140,10 @@ def polish(
     return Solution(
         to_model(lagrangian.vertices(best.state.unknowns)),
         best.status,
-        _message(best.status, len(recorder), error, settings.tolerance * problem.target_scale, branches),
+        _message(best.status, len(recorder), errors, branches),
         len(recorder),
         recorder.seconds,
-        error,
+        max(error for _, error in errors),
         recorder.history,
         measure=MID_EDGE,
         branches=branches,
@@ -209,14 +213,14 @@ class _Search:
 
     def __init__(self, lagrangian: Lagrangian, problem: CGCProblem, size: float, settings: PolishSettings, recorder: Recorder):
         self.lagrangian, self.size, self.settings, self.recorder = lagrangian, size, settings, recorder
-        self.scale, self.faces, self.weights = problem.target_scale, problem.faces, problem.face_targets()
+        self.faces, self.weights = problem.faces, np.nan_to_num(problem.face_targets())
         self.centre, self.places = problem.vertices.mean(axis=0), places(lagrangian)
 
     def ended(self, start: State) -> _End:
         """Return the surface that a start leads to, else the one with the least error of K."""
         own, best, taken = self.lagrangian, start, 0
-        goal = self.settings.tolerance * self.scale * own.cells
-        for step in until_spent(steps(own, start, self.places, self.size, self.scale)):
+        goal = self.settings.tolerance * own.scales * own.cells
+        for step in until_spent(steps(own, start, self.places, self.size)):
             here, V = step.state, own.vertices(step.state.unknowns)
             error, taken = _error(own, here), taken + 1
             self.recorder.record(energy(V - self.centre, self.faces, self.weights), error, error, step.length, step.trials)
@@ -260,9 +264,9 @@ def _error(lagrangian: Lagrangian, state: State) -> float:
 
 def _rounding(lagrangian: Lagrangian, state: State) -> FloatArray:
     """Return what residuals (r,) are by the rounding of coordinates at unit size."""
-    averages = lagrangian.mesh.averages(state.operators)
-    curvature = np.sqrt((averages.tensors**2).sum(axis=1)) / averages.areas
-    return np.asarray(ROUNDING * EPS * curvature[lagrangian.rows])
+    T, A, H, K = lagrangian.curvatures(state.operators)
+    by_H, by_K = lagrangian.law.first_derivatives(H, K)
+    return np.asarray(ROUNDING * EPS * (np.abs(by_H) + np.abs(by_K) * np.sqrt((T**2).sum(axis=1)) / A))
 
 
 def places(lagrangian: Lagrangian) -> FloatArray:
@@ -272,8 +276,8 @@ def places(lagrangian: Lagrangian) -> FloatArray:
     return np.vstack([unknowns[lagrangian.free], V[mesh.pairs[lagrangian.rows, 0]]])
 
 
-def _message(status: str, steps: int, error: float, goal: float, branches: tuple[Branch, ...]) -> str:
-    reached = f"largest |K - K̄| {error:.3g} by mid-edge normals"
+def _message(status: str, steps: int, errors: list[tuple[Law, float]], branches: tuple[Branch, ...]) -> str:
+    reached = f"largest {', '.join(f'{law.words} {error:.3g}' for law, error in errors)} by mid-edge normals"
     if status == "converged":
         twins = sum(branch.twin_of == 0 for branch in branches)
         others = len(branches) - 1 - twins
@@ -283,5 +287,5 @@ def _message(status: str, steps: int, error: float, goal: float, branches: tuple
     if status == "cancelled":
         return f"cancelled after {steps} steps: {reached}"
     if status == "step_limit":
-        return f"not converged in {steps} steps: {reached}, goal {goal:.3g}; allow more steps"
-    return f"stalled: no surface with this curvature was found over these supports; choose a smaller |K̄|, or free an edge; {reached}"
+        return f"not converged in {steps} steps: {reached}; allow more steps"
+    return f"stalled: no surface with this curvature was found over these supports; choose a smaller curvature, or free an edge; {reached}"

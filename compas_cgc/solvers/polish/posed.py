@@ -1,4 +1,4 @@
-"""A problem posed by mid-edge normals: directions of the moves, targets of the equations, and what is kept of the drawing."""
+"""A problem posed by mid-edge normals: directions of the moves, laws of the equations, and what is kept of the drawing."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
 from ...discrete.mid_edge import MidEdgeMesh
 from ...discrete.smoothed_normals import smooth_normals
+from ...model.laws import ConstantCurvature
+from ...model.laws import Law
+from ...model.laws import Piecewise
 from ...model.problem import CGCProblem
 from ...model.roles import FIXED
 from .lagrangian import Lagrangian
 
-__all__ = ["held_edges", "move_directions", "pair_targets", "posed"]
+__all__ = ["held_edges", "move_directions", "pair_laws", "pair_targets", "posed"]
 
 FACING = 0.3  # component of the normals of faces along the mean normal, from which a drawing has a plan
 SMOOTHINGS = 10  # of the normals of a drawing that has none
@@ -36,7 +39,8 @@ def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:
     V, F, regions = problem.vertices, problem.faces, problem.regions()
     mesh = MidEdgeMesh(F, problem.creases, regions, move_directions(problem))
     size = math.sqrt(float(face_areas(V, F).sum()))
-    return Lagrangian(mesh, V, problem.movable, pair_targets(problem, mesh), fold_length * size)
+    rows, law = pair_laws(problem, mesh)
+    return Lagrangian(mesh, V, problem.movable, rows, law.normalised(), fold_length * size)
 
 
 def move_directions(problem: CGCProblem) -> FloatArray:
@@ -69,6 +73,23 @@ def pair_targets(problem: CGCProblem, mesh: MidEdgeMesh) -> FloatArray:
     held = np.zeros(len(problem.vertices), bool)
     held[held_edges(problem)] = True
     return np.where(held[vertex], np.nan, targets)
+
+
+def pair_laws(problem: CGCProblem, mesh: MidEdgeMesh) -> tuple[IntArray, Piecewise]:
+    """Return the pairs of vertex and region where an equation holds (r,), and the laws of these.
+
+    Along held edges no equation holds, whatever the law.
+    """
+    targets = pair_targets(problem, mesh)
+    of = np.where(np.isfinite(targets), 0, -1)
+    held = np.zeros(len(problem.vertices), bool)
+    held[held_edges(problem)] = True
+    for number, region in enumerate(problem.laws, 1):
+        of[(mesh.pairs[:, 1] == region) & ~held[mesh.pairs[:, 0]]] = number
+    rows = np.flatnonzero(of >= 0)
+    laws: list[Law] = [ConstantCurvature(targets[of == 0]), *problem.laws.values()]
+    used, index = np.unique(of[rows], return_inverse=True)
+    return rows, Piecewise([laws[number] for number in used] or laws[:1], index.ravel())
 
 
 def held_edges(problem: CGCProblem) -> IntArray:

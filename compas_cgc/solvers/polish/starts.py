@@ -13,6 +13,7 @@ from ...discrete.measured_curvature import even_angles
 from ...discrete.mid_edge import OCCURRENCES
 from ...discrete.mid_edge import TRACE
 from ...linalg import factorise
+from ...model.laws import Shape
 from .lagrangian import Lagrangian
 from .lagrangian import State
 
@@ -26,7 +27,7 @@ PULLED = 2.0  # slope of a drawing beside its supports, against that elsewhere, 
 SAID = 0.05  # bending of a drawing, or its volume over the plate, against that of a dome, that says the side
 FLAT_FACE = 1e-8  # squared curvature times the area of the mesh, below which a drawing is flat
 DRAWN = 3.0  # bending of a drawing that is kept, against that of the plate over its supports
-FLAT = 1e-9  # K̄, against the largest, that is none
+FLAT = 3e-5  # curvature against the largest, below which it is zero
 
 
 class _Plate:
@@ -57,25 +58,26 @@ class _Plate:
 def starts(lagrangian: Lagrangian) -> Iterator[State]:
     """Return initial surfaces that do not depend on the triangles, the likeliest first.
 
-    Where K̄ > 0 the plate wants to bend alike in all directions, first to one side; where K̄ < 0 as a saddle, turned to
-    where bending energy is least, up and down; where K̄ = 0 it bends over its supports.
+    The plate wants to bend to the shape operators of the laws: alike in all directions, first to one side, where K̄ > 0; as a
+    saddle, turned to where bending energy is least, up and down, where K̄ < 0; where H is prescribed, alike in all directions to
+    its side. Where K̄ = 0 or H = 0 it bends over its supports.
     """
-    if np.isfinite(lagrangian.waves):
+    if np.isfinite(lagrangian.waves) or not lagrangian.has_plan:
         yield from_surface(lagrangian, lagrangian.drawing)
         if not lagrangian.has_plan:
             return
     own = _Plate(lagrangian)
-    targets = _face_targets(lagrangian)
+    shape = _face_shapes(lagrangian)
     round_, along, across = _tensors(lagrangian)
-    scale = FLAT * float(np.abs(targets).max(initial=0.0))
-    dome = round_ * np.sqrt(np.maximum(targets, 0.0))[:, None]
-    bent = np.sqrt(np.maximum(-targets, 0.0))[:, None]
-    first = own.response(dome) if (targets > scale).any() else np.zeros(lagrangian.size)
-    if not (targets < -scale).any():
-        yield _with_even_angles(lagrangian, own.here, lagrangian.side * first)
+    flat = FLAT * max(float(np.abs(part).max(initial=0.0)) for part in shape)
+    steady, dome, bent = (round_ * shape.mean[:, None], round_ * shape.round[:, None], shape.saddle[:, None])
+    base, first = (own.response(part) if (np.abs(part) > flat).any() else np.zeros(lagrangian.size) for part in (steady, dome))
+    if not (bent > flat).any():
+        yield _with_even_angles(lagrangian, own.here, base + lagrangian.side * first)
         if first.any():
-            yield _with_even_angles(lagrangian, own.here, -lagrangian.side * first)
+            yield _with_even_angles(lagrangian, own.here, base - lagrangian.side * first)
         return
+    first, dome = base + first, steady + dome
     steps = [own.response(bent * along), own.response(bent * across)]
     base = own.mismatch(first, dome) + own.mismatch(np.zeros(lagrangian.size), -_present(own.here))
     parts = [own.mismatch(step, bent * saddle) for step, saddle in zip(steps, (along, across))]
@@ -117,10 +119,10 @@ def over_its_plate(lagrangian: Lagrangian) -> Lagrangian:
     if not lagrangian.has_plan or np.ptp(np.einsum("ni,ni->n", V, mesh.directions)) <= FLAT_FACE:
         return lagrangian
     here, drawn = plate(lagrangian), from_surface(lagrangian, V)
-    K = np.maximum(_face_targets(lagrangian), 0.0)
+    curvature = _face_shapes(lagrangian).round
     trace = [own.operators.tensors @ TRACE / own.operators.areas for own in (drawn, here)]
     areas = here.operators.areas
-    against = float(areas[trace[0] - trace[1] < -SAID * 2.0 * np.sqrt(K)].sum()) > 0.5 * float(areas.sum()) if K.any() else False
+    against = curvature.any() and float(areas[trace[0] - trace[1] < -SAID * 2.0 * curvature].sum()) > 0.5 * float(areas.sum())
     edges = edge_faces(mesh.faces)[:, :2]
     fixed = np.ones(len(V), bool)
     fixed[lagrangian.free[: lagrangian.moves]] = False
@@ -129,19 +131,22 @@ def over_its_plate(lagrangian: Lagrangian) -> Lagrangian:
     beside = fixed[edges].any(axis=1)
     pulled = slope[beside].max(initial=0.0) > PULLED * slope[~beside].max(initial=0.0)
     under = float(np.einsum("m,m->", here.unknowns[mesh.faces].mean(axis=1), areas))
-    against = against or (not pulled and under > SAID * float(np.sqrt(K) @ areas) * float(areas.sum()) / 4.0)
+    against = against or (not pulled and under > SAID * float(curvature @ areas) * float(areas.sum()) / 4.0)
     return lagrangian.over(lagrangian.vertices(here.unknowns), -1.0 if against else 1.0)
 
 
 def is_kept(lagrangian: Lagrangian) -> bool:
     """Return whether the shape of a drawing is kept.
 
-    It is where the drawing has no plan, or bends in most places far more than its supports make it. Over a plan with K̄ > 0 the
-    supports alone determine the dome, and the drawing says its side.
+    It is not where the laws and the supports determine the surface. Else it is where the drawing has no plan, or bends in most
+    places far more than its supports make it. Over a plan with elliptic laws,
+    such as K̄ > 0 or constant H, the supports alone determine the dome, and the drawing says its side.
     """
+    if lagrangian.is_determined:
+        return False
     if not lagrangian.has_plan:
         return True
-    if (lagrangian.targets > 0.0).all():
+    if (lagrangian.types > 0.0).all():
         return False
     typical, mean = _density(from_surface(lagrangian, lagrangian.drawing))
     return typical > max(MOST_PLACES * mean, FLAT_FACE) and typical > DRAWN * _density(plate(lagrangian))[0]
@@ -194,10 +199,11 @@ def _present(state: State) -> FloatArray:
     return np.asarray(state.operators.tensors / state.operators.areas[:, None])
 
 
-def _face_targets(lagrangian: Lagrangian) -> FloatArray:
-    """Return K̄ of the faces (m,), the mean over their equations, zero without any."""
+def _face_shapes(lagrangian: Lagrangian) -> Shape:
+    """Return shape operators of the faces (m,) that obey the laws, means over their equations, zero without any."""
     onto = lagrangian.mesh.incidence[lagrangian.rows].T
-    return np.asarray((onto @ lagrangian.targets) / np.maximum(onto @ np.ones(len(lagrangian.rows)), 1.0))
+    count = np.maximum(onto @ np.ones(len(lagrangian.rows)), 1.0)
+    return Shape(*((onto @ part) / count for part in lagrangian.law.shape()))
 
 
 def _tensors(lagrangian: Lagrangian) -> tuple[FloatArray, FloatArray, FloatArray]:
