@@ -117,8 +117,9 @@ class Lagrangian:
 
     @property
     def is_determined(self) -> bool:
-        """Whether as many elliptic equations as moves leave the energy no choice, as where H is prescribed within a held rim."""
-        return len(self.rows) >= self.moves and bool((self.types > 0.0).all())
+        """Whether elliptic laws within held boundaries and creases leave the energy no choice."""
+        sides = self.mesh.angles.ends[np.bincount(self.mesh.angles.of_faces.ravel()) == 1]
+        return bool((self.types > 0.0).all()) and not self._posed[0][sides].any()
 
     @property
     def has_plan(self) -> bool:
