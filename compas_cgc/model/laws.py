@@ -187,7 +187,7 @@ class ConstantCurvature(_Linear):
         return ConstantCurvature(self.k / factor**2)
 
     def __str__(self) -> str:
-        return f"K = {self.k!r}"
+        return f"K = {float(self.k)!r}"
 
     @property
     def words(self) -> str:
@@ -234,7 +234,7 @@ class ConstantMeanCurvature(_Linear):
         return f"a length of {length:.3g} around an area of {area:.3g} carries |H| up to {highest:.3g} only; prescribe a smaller H"
 
     def __str__(self) -> str:
-        return f"H = {self.h!r}"
+        return f"H = {float(self.h)!r}"
 
     @property
     def words(self) -> str:
@@ -308,11 +308,11 @@ class LinearWeingarten(_Linear):
         return LinearWeingarten(self.a / size, self.b / size, self.c / size)
 
     def __str__(self) -> str:
-        return f"{self.a!r} H {'-' if self.b < 0 else '+'} {abs(self.b)!r} K = {self.c!r}"
+        return f"{float(self.a)!r} H {'-' if self.b < 0 else '+'} {abs(float(self.b))!r} K = {float(self.c)!r}"
 
     @property
     def words(self) -> str:
-        return f"|{self.a:.3g} H {'-' if self.b < 0 else '+'} {abs(self.b):.3g} K - {self.c:.3g}|"
+        return f"|{self.a:.3g} H {'-' if self.b < 0 else '+'} {abs(self.b):.3g} K {'+' if self.c < 0 else '-'} {abs(self.c):.3g}|"
 
     @property
     def description(self) -> str:

@@ -157,3 +157,12 @@ def test_goals_and_laws_exclude_each_other():
     problem = _two_regions().to_problem().with_laws({1: "minimal"}).with_goals([{"kind": "rise", "rise": 1.0}])
     assert isinstance(problem, CGCProblem)
     assert any("constant K only" in text for text in check(problem))
+
+
+def test_a_file_carries_laws_as_text_dots(tmp_path):
+    pytest.importorskip("rhino3dm")
+    mesh = _two_regions()
+    mesh.set_law("2 H + 0.5 K = 0.3", region=1)
+    mesh.to_3dm(tmp_path / "roof.3dm")
+    back = CGCMesh.from_3dm(tmp_path / "roof.3dm")
+    assert [back.region_law(region) for region in (0, 1)] == [ConstantCurvature(0.01), LinearWeingarten(2, 0.5, 0.3)]

@@ -13,6 +13,7 @@ from ...discrete.arrays import FloatArray
 from ...meshing import Diagnostic
 from ...meshing import path_edges
 from ...model.constraints import Constraint
+from ...model.laws import Law
 from ...model.problem import CGCProblem
 from ...model.problem import Drawing
 from ..reading import ReadProblem
@@ -25,7 +26,7 @@ from .sketch import Part
 from .snapping import find_constraints
 from .snapping import find_supports
 from .snapping import snap_distance
-from .targets import find_targets
+from .targets import find_laws
 from .units import unit_suffix
 from .user_text import GOALS_KEY
 from .user_text import text_constraints
@@ -46,7 +47,7 @@ def assemble(
     constraints: AtTolerance,
     units: str,
     tolerance: float,
-    solved: Optional[Mapping[int, Optional[float]]] = None,
+    solved: Optional[Mapping[int, Optional[Law]]] = None,
     crease: str = "trace",
     notes: Sequence[str] = (),
     goals: Optional[AtTolerance] = None,
@@ -66,7 +67,7 @@ def assemble(
     tolerance
         Distance below which points coincide [L].
     solved
-        Target of every region of an earlier result.
+        Law of every region of an earlier result.
     crease
         ``"trace"`` or ``"split"``.
     notes
@@ -88,7 +89,7 @@ def assemble(
     laid = lay_creases(creases(fine), joined, fixed, snap, crease, unit)
     mesh = laid.mesh
     edges = np.unique(np.sort(np.array(path_edges(laid.paths), dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
-    K, target_notes, target_diagnostics = find_targets(targets(fine), list(parts), solved or {}, mesh, edges, unit)
+    K, laws, target_notes, target_diagnostics = find_laws(targets(fine), list(parts), solved or {}, mesh, edges, unit)
     drawn, constraint_diagnostics = find_constraints(constraints(fine), mesh.vertices, snap, unit)
     texts, text_diagnostics = _constraints_in_texts(parts, mesh)
     asked = find_goals(goals(fine) if goals is not None else [], mesh.vertices, snap)
@@ -101,6 +102,7 @@ def assemble(
         e=_values_in_texts(parts, mesh, "e", laid.e),
         creases=edges,
         goals=held,
+        laws=laws,
         drawing=Drawing(name, units, tolerance, asked.places),
     )
     found = f"{len(held)} constraint{'s' if len(held) > 1 else ''} besides K, which the method 'projection' holds"

@@ -10,8 +10,8 @@ from ._types import Point3d
 from .archive import Item
 from .archive import rhino3dm_module
 from .sketch import Drawn
-from .user_text import dot_target
-from .user_text import user_target
+from .user_text import dot_law
+from .user_text import user_law
 
 __all__ = ["curve_points", "to_drawn"]
 
@@ -20,17 +20,17 @@ _MAX_POINTS = 20_000
 
 def to_drawn(item: Item, tolerance: float) -> Drawn:
     """Return the points of a point, point cloud, curve or text dot; curves are sampled to the tolerance [L]."""
-    target = user_target(item.text)
+    law = user_law(item.text)
     if item.kind == "curve":
         points = curve_points(item.geometry, tolerance)
     elif item.kind == "point cloud":
         points = _places(item.geometry.GetPoints())
     elif item.kind == "text dot":
         points = _places([item.geometry.Point])
-        target = dot_target(item.geometry.Text) if target is None else target
+        law = dot_law(item.geometry.Text) if law is None else law
     else:
         points = _places([item.geometry.Location])
-    return Drawn(item.label, item.kind, points, target, item.text)
+    return Drawn(item.label, item.kind, points, law, item.text)
 
 
 def curve_points(curve: Curve, tolerance: float) -> FloatArray:

@@ -16,8 +16,8 @@ from typing import Union
 from ...errors import FileError
 from ...errors import names_what_was_meant
 from .archive import Item
-from .user_text import dot_target
-from .user_text import user_target
+from .user_text import dot_law
+from .user_text import user_law
 
 __all__ = ["RESULT", "LayerNames", "Selection", "layer_names", "select"]
 
@@ -40,7 +40,7 @@ class LayerNames:
     creases
         Curves along which the surface may fold.
     targets
-        Text dots, or points with user text, such as ``K=0.03`` in a region.
+        Text dots, or points with user text, such as ``K=0.03`` or ``H=0.1`` in a region.
     constraints
         Curves on which the vertices along them must stay, or remain fixed with user text ``keep``;
         points that set the height of the vertex below or above them.
@@ -260,6 +260,6 @@ def _first_mesh(items: list[Item], layer: str) -> tuple[list[Item], list[str]]:
 
 
 def _is_target(item: Item) -> bool:
-    if item.kind == "text dot" and dot_target(item.geometry.Text, named=True) is not None:
+    if item.kind == "text dot" and dot_law(item.geometry.Text, named=True) is not None:
         return True
-    return item.kind in ("text dot", "point") and user_target(item.text) is not None
+    return item.kind in ("text dot", "point") and user_law(item.text) is not None

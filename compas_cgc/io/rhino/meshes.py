@@ -23,7 +23,7 @@ from .archive import Item
 from .archive import rhino3dm_module
 from .precision import rounding_of
 from .sketch import Part
-from .user_text import user_target
+from .user_text import user_law
 
 __all__ = ["JoinedMesh", "coloured", "has_mesh", "join_meshes", "mesh_from_arrays", "mesh_to_arrays", "to_part"]
 
@@ -67,7 +67,7 @@ def to_part(item: Item) -> tuple[Part, list[str]]:
     if F.min() < 0 or F.max() >= len(V):
         raise FileError(f"{item.label} has faces with vertices that do not exist; repair it (Rhino: Check, MeshRepair)")
     rounding = rounding_of(V, item.kind == "mesh" and item.geometry.Vertices.UseDoublePrecisionVertices)
-    return Part(item.label, V, F, rounding, user_target({**item.layer_text, **item.text}), item.text), notes
+    return Part(item.label, V, F, rounding, user_law({**item.layer_text, **item.text}), item.text), notes
 
 
 def mesh_to_arrays(mesh: Mesh) -> tuple[FloatArray, IntArray]:

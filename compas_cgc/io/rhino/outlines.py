@@ -19,7 +19,7 @@ from .layers import Selection
 from .sketch import Drawn
 from .sketch import Part
 from .surfaces import MeshedSurface
-from .user_text import user_target
+from .user_text import user_law
 
 __all__ = ["outline_part", "outlined"]
 
@@ -54,7 +54,7 @@ def outline_part(found: Selection, edge_length: Optional[float], tolerance: floa
         raise FileError(f"the file has no mesh; {mend}")
     fine = 0.25 * tolerance if tolerance > 0 else 1e-4 * edge_length
     outlines = [(f"outline {item.label}", curve_points(item.geometry, fine)) for item in found.outlines]
-    creases = [Drawn(item.label, "curve", curve_points(item.geometry, fine), user_target(item.text), item.text) for item in found.creases]
+    creases = [Drawn(item.label, "curve", curve_points(item.geometry, fine), user_law(item.text), item.text) for item in found.creases]
     columns = [to_drawn(item, fine).points for item in found.supports if item.kind in ("point", "point cloud")]
     try:
         made = outlined(outlines, creases, np.concatenate([np.empty((0, 3)), *columns]), edge_length, tolerance)

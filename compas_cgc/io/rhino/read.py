@@ -30,8 +30,8 @@ from .surfaces import default_edge_length
 from .surfaces import surface_part
 from .units import unit_name
 from .units import unit_suffix
+from .user_text import user_law
 from .user_text import user_number
-from .user_text import user_target
 
 __all__ = ["read_3dm", "read_curves"]
 
@@ -108,7 +108,7 @@ def read_3dm(
             goals=lambda fine: [drawn._replace(text={**drawn.text, "name": item.name}) for item, drawn in _with_items(found.goals, fine)],
             units=unit_name(archive.Settings.ModelUnitSystem),
             tolerance=own,
-            solved={int(user_number(item.text, "region") or 0): user_target(item.text) for item in found.regions},
+            solved={int(user_number(item.text, "region") or 0): user_law(item.text) for item in found.regions},
             crease=crease,
             notes=found.notes + [note for made in converted for note in made.notes],
         )

@@ -155,7 +155,8 @@ def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: Mesh, report:
         part = whole if len(report.regions) == 1 else mesh_from_arrays(problem.vertices[used], corners.reshape(-1, 3))
         figures = {"K": region.target, "K reached": region.total_curvature, "error": region.max_error, "area": region.area}
         notes = {name: repr(value) for name, value in figures.items() if value is not None}
-        attributes = writer.attributes(on_regions, f"region {region.region}", {"region": str(region.region), **notes})
+        law = {"law": str(problem.laws[region.region])} if region.region in problem.laws else {}
+        attributes = writer.attributes(on_regions, f"region {region.region}", {"region": str(region.region), **notes, **law})
         writer.mesh(part, attributes)
 
 

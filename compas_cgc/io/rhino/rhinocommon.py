@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
+from typing import Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +23,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import FileError
 from ...errors import MeshError
+from ...model.laws import as_law
 from ..reading import ReadProblem
 from .archive import Item
 from .archive import rhino3dm_module
@@ -117,7 +119,7 @@ def problem_from_rhino(
     mesh: Rhino.Geometry.Mesh,
     supports: Iterable[Rhino.Geometry.Point3d] = (),
     creases: Iterable[Rhino.Geometry.Curve] = (),
-    targets: Iterable[tuple[Rhino.Geometry.Point3d, float]] = (),
+    targets: Iterable[tuple[Rhino.Geometry.Point3d, Union[float, str]]] = (),
     tolerance: float = 1e-3,
     units: str = "Meters",
     crease: str = "trace",
@@ -133,7 +135,7 @@ def problem_from_rhino(
     creases
         Curves along which the surface may fold.
     targets
-        Pairs of a point in a region and its Gaussian curvature [1/L^2].
+        Pairs of a point in a region and its Gaussian curvature [1/L^2], or a text of its law such as ``H = 0.1``.
     tolerance
         Distance below which points coincide [L], usually ``ModelAbsoluteTolerance`` of the document.
     units
@@ -153,7 +155,7 @@ def problem_from_rhino(
     """
     vertices, faces = mesh_to_arrays(mesh)
     rounding = rounding_of(vertices, mesh.Vertices.UseDoublePrecisionVertices)
-    dots = [Drawn(f"target {i}", "point", points_to_array([p]), float(K), {}) for i, (p, K) in enumerate(targets)]
+    dots = [Drawn(f"target {i}", "point", points_to_array([p]), as_law(K), {}) for i, (p, K) in enumerate(targets)]
     part = MeshedSurface(Part("the mesh", vertices, faces, rounding, None, {}), [], [])
     return _assembled([part], supports, list(creases), tolerance, units, crease, dots)
 

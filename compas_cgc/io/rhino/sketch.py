@@ -8,6 +8,7 @@ from typing import Optional
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...model.laws import Law
 
 __all__ = ["Drawn", "Part"]
 
@@ -19,7 +20,7 @@ class Part(NamedTuple):
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 4), a triangle repeats its last corner
     rounding: float  # rounding error of single-precision coordinates [L], 0 in double precision
-    target: Optional[float]  # K in its user text or that of its layer [1/L^2]
+    law: Optional[Law]  # in its user text or that of its layer
     text: Mapping[str, str]  # user text, keys in lower case
 
 
@@ -29,5 +30,5 @@ class Drawn(NamedTuple):
     label: str  # name in messages
     kind: str  # point, point cloud, curve or text dot
     points: FloatArray  # (k, 3) coordinates, or points along the curve [L]
-    target: Optional[float]  # K in its text or user text [1/L^2]
+    law: Optional[Law]  # in its text or user text
     text: Mapping[str, str]  # user text, keys in lower case

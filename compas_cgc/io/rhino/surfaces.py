@@ -27,7 +27,7 @@ from .curves import curve_points
 from .parametric import ParametricSurface
 from .sketch import Drawn
 from .sketch import Part
-from .user_text import user_target
+from .user_text import user_law
 
 __all__ = ["MeshedSurface", "default_edge_length", "rounded_length", "surface_part"]
 
@@ -100,8 +100,8 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
     if creases:
         text += f"; {len(creases)} sharp joints became creases" if len(creases) > 1 else "; a sharp joint became a crease"
     drawn = [Drawn(f"a joint of {item.label}", "curve", line, None, {}) for line in creases]
-    target = user_target({**item.layer_text, **item.text})
-    return MeshedSurface(Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, target, item.text), drawn, [text])
+    law = user_law({**item.layer_text, **item.text})
+    return MeshedSurface(Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, law, item.text), drawn, [text])
 
 
 def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: float) -> tuple[Meshed, float]:

@@ -1,4 +1,4 @@
-"""Conversion of text dots and user text to targets of vertices."""
+"""Conversion of text dots and user text to laws of regions."""
 
 from __future__ import annotations
 
@@ -12,29 +12,31 @@ from ...discrete.arrays import IntArray
 from ...meshing import Diagnostic
 from ...meshing import face_regions
 from ...meshing.point_location import face_at
+from ...model.laws import ConstantCurvature
+from ...model.laws import Law
 from .meshes import JoinedMesh
 from .sketch import Drawn
 from .sketch import Part
 
-__all__ = ["find_targets"]
+__all__ = ["find_laws"]
 
 
-def find_targets(
-    dots: list[Drawn], parts: list[Part], solved: Mapping[int, Optional[float]], mesh: JoinedMesh, creases: IntArray, unit: str
-) -> tuple[FloatArray, list[str], list[Diagnostic]]:
-    """Return the target of every vertex from the targets of the regions.
+def find_laws(
+    dots: list[Drawn], parts: list[Part], solved: Mapping[int, Optional[Law]], mesh: JoinedMesh, creases: IntArray, unit: str
+) -> tuple[FloatArray, dict[int, Law], list[str], list[Diagnostic]]:
+    """Return the target of every vertex and the other laws of the regions.
 
     Sources in order of precedence: text dots and points inside the region, the regions of an
-    earlier result, user text ``K`` of the mesh, user text ``K`` of its layer.
+    earlier result, user text ``law`` or ``K`` of the mesh, the same of its layer.
 
     Parameters
     ----------
     dots
-        Text dots such as ``K=0.03``, and points with user text ``K``.
+        Text dots such as ``K=0.03`` or ``H=0.1``, and points with user text ``K`` or ``law``.
     parts
         The objects from which the mesh was joined.
     solved
-        Target of every region of an earlier result, empty if there is none.
+        Law of every region of an earlier result, empty if there is none.
     mesh
         The mesh.
     creases
@@ -44,44 +46,50 @@ def find_targets(
 
     Returns
     -------
-    targets (n,), notes, diagnostics
-        NaN where K is not prescribed; vertices on creases have the target of the last region that has one.
+    targets (n,), laws, notes, diagnostics
+        Targets are NaN where K is not prescribed; vertices on creases have the target of the last region that has one. Laws other than
+        constant K are by region.
     """
     region = face_regions(mesh.faces, creases)
     count = int(region.max()) + 1
-    K = np.full(count, np.nan)
+    laws: dict[int, Law] = {}
     notes = []
     for owner, part in reversed(list(enumerate(parts))):
-        if part.target is not None:
-            K[np.unique(region[mesh.owner == owner])] = part.target
-            notes.append(f"{part.label} prescribes K = {part.target:g}")
+        if part.law is not None:
+            laws.update(dict.fromkeys(np.unique(region[mesh.owner == owner]).tolist(), part.law))
+            notes.append(f"{part.label} prescribes {_shown(part.law)}")
     if set(solved) == set(range(count)):
-        known = [r for r, value in solved.items() if value is not None]
-        K[known] = [solved[r] for r in known]
+        laws.update({r: law for r, law in solved.items() if law is not None})
         notes.append(f"targets of an earlier result were used for {count} region{'' if count == 1 else 's'} without other targets")
     elif solved:
         notes.append("the regions of an earlier result do not match this mesh; their targets were ignored")
     by_dot: dict[int, Drawn] = {}
     diagnostics: list[str] = []
     for item in dots:
-        if item.target is None:
-            diagnostics.append(f"target {item.label} is not a number; write K=0.03, with the curvature you want")
+        if item.law is None:
+            diagnostics.append(f"target {item.label} is neither a number nor a law; write K=0.03, with the curvature you want, or H=0.1")
             continue
         face, distance = face_at(item.points[0], mesh.vertices, mesh.faces)
         r = int(region[face])
         other = by_dot.setdefault(r, item)
-        if other.target != item.target:
-            diagnostics.append(
-                f"targets {item.label} (K={item.target:g}) and {other.label} (K={other.target:g}) lie in the same region; delete one"
-            )
+        if other.law is not None and other.law != item.law:
+            these = f"targets {item.label} ({_shown(item.law, '')}) and {other.label} ({_shown(other.law, '')})"
+            diagnostics.append(f"{these} lie in the same region; delete one")
         if distance > 0.0:
             notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was assigned to the nearest region, {r}")
-        K[r] = item.target
-    without = np.flatnonzero(np.isnan(K) & np.isfinite(K).any())
+        laws[r] = item.law
+    without = [r for r in range(count) if r not in laws] if laws else []
     notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]
     targets = np.full(len(mesh.vertices), np.nan)
+    K = np.array([law.k if isinstance(law, ConstantCurvature) else np.nan for law in map(laws.get, range(count))], dtype=np.float64)
     for corner in range(3):
         value = K[region]
         known = np.isfinite(value)
         targets[mesh.faces[known, corner]] = value[known]
-    return targets, notes, [Diagnostic(text) for text in diagnostics]
+    others = {r: law for r, law in sorted(laws.items()) if not isinstance(law, ConstantCurvature)}
+    return targets, others, notes, [Diagnostic(text) for text in diagnostics]
+
+
+def _shown(law: Law, space: str = " ") -> str:
+    """Return a law in messages; constant K with six digits."""
+    return f"K{space}={space}{law.k:g}" if isinstance(law, ConstantCurvature) else str(law)

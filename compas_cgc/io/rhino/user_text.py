@@ -16,16 +16,19 @@ from ...model.constraint_data import constraint_data
 from ...model.constraint_data import constraint_of
 from ...model.constraints import Constraint
 from ...model.constraints import check_indices
+from ...model.laws import ConstantCurvature
+from ...model.laws import Law
+from ...model.laws import as_law
 from ...model.problem import CGCProblem
 
 __all__ = [
     "GOALS_KEY",
     "VERTEX_KEY",
     "constraint_text",
-    "dot_target",
+    "dot_law",
     "text_constraints",
+    "user_law",
     "user_number",
-    "user_target",
     "vertex_text",
     "vertex_values",
 ]
@@ -40,12 +43,16 @@ _NAMED = re.compile(rf"^\s*(?:k|target)\s*[=:]\s*({_NUMBER})\s*$", re.IGNORECASE
 _BARE = re.compile(rf"^\s*({_NUMBER})\s*$")
 
 
-def dot_target(text: str, named: bool = False) -> Optional[float]:
-    """Return the target in a text dot such as ``K=0.03`` [1/L^2], or None; with `named`, bare numbers are ignored."""
+def dot_law(text: str, named: bool = False) -> Optional[Law]:
+    """Return the law in a text dot such as ``K=0.03`` or ``H=0.1``, or None; with `named`, bare numbers are ignored."""
     found = _NAMED.search(text or "")
     if found:
-        return _number(found.group(1))
-    return None if named else _number(text)
+        return _constant(_number(found.group(1)))
+    for line in (text or "").splitlines():
+        law = _law(line) if "=" in line or line.strip().lower() == "minimal" else None
+        if law is not None:
+            return law
+    return None if named else _constant(_number(text))
 
 
 def user_number(text: Mapping[str, str], *keys: str) -> Optional[float]:
@@ -56,9 +63,21 @@ def user_number(text: Mapping[str, str], *keys: str) -> Optional[float]:
     return None
 
 
-def user_target(text: Mapping[str, str]) -> Optional[float]:
-    """Return the target in user text [1/L^2] under the key ``K`` or ``target``; case is ignored."""
-    return user_number(text, "k", "target")
+def user_law(text: Mapping[str, str]) -> Optional[Law]:
+    """Return the law in user text under the key ``law``, or the target under ``K`` or ``target``; case is ignored."""
+    return _law(text["law"]) if "law" in text else _constant(user_number(text, "k", "target"))
+
+
+def _constant(K: Optional[float]) -> Optional[Law]:
+    return None if K is None else ConstantCurvature(K)
+
+
+def _law(text: str) -> Optional[Law]:
+    """Return the law in a text, with decimal points or commas, or None."""
+    try:
+        return as_law(text.replace(",", "."))
+    except ValueError:
+        return None
 
 
 def _number(text: str) -> Optional[float]:
@@ -73,7 +92,7 @@ def _number(text: str) -> Optional[float]:
 def vertex_text(problem: CGCProblem) -> dict[str, str]:
     """Return user text with the values of single vertices, empty if all regions are constant."""
     values = {}
-    if None in problem.region_targets() and np.isfinite(problem.targets[problem.asked]).any():
+    if None in problem.region_laws() and np.isfinite(problem.targets[problem.asked]).any():
         values["target"] = problem.targets
     for name in ("s", "e"):
         if np.isfinite(getattr(problem, name)).any():

@@ -23,6 +23,7 @@ from ...model.goals.inequalities import Clearance
 from ...model.goals.inequalities import Within
 from ...model.goals.numbers import in_plan
 from ...model.goals.wholes import Length
+from ...model.laws import ConstantCurvature
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ._types import Archive
@@ -127,7 +128,7 @@ class LayerWriter:
 
 @names_what_was_meant()
 def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version: int = 7) -> None:
-    """Write a problem on the standard layers: mesh, supports, creases, constraints, and a text dot with the target of each region.
+    """Write a problem on the standard layers: mesh, supports, creases, constraints, and a text dot with the target or law of each region.
 
     Coordinates and targets are read back without loss. Dummy vertices are omitted.
 
@@ -158,10 +159,14 @@ def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version:
     draw_problem(writer, own, "CGC", mesh_from_arrays(own.vertices, own.faces))
     on_targets = writer.layer("CGC::Targets", (30, 130, 60))
     label = own.regions()
-    for region, K in enumerate(own.region_targets()):
-        if K is not None:
+    for region, law in enumerate(own.region_laws()):
+        if law is not None:
             place = _inside(own.vertices, own.faces[label == region])
-            writer.dot(f"K={K!r}", place, writer.attributes(on_targets, f"region {region}"))
+            writer.dot(
+                str(law).replace("K = ", "K=") if isinstance(law, ConstantCurvature) else str(law),
+                place,
+                writer.attributes(on_targets, f"region {region}"),
+            )
     write_archive(writer.archive, path, version)
 
 
