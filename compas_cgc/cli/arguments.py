@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import Any
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
     from ..io.reading import ReadProblem
     from ..model.problem import CGCProblem
 
-__all__ = ["add_input", "add_options", "add_reading", "add_supports", "read_input", "settings_of", "with_targets"]
+__all__ = ["add_input", "add_options", "add_reading", "add_supports", "read_input", "settings_of", "with_laws", "with_targets"]
 
 # Copied from `meshing.boundary`, which --help must not import.
 SUPPORT_NAMES = ("boundary", "outline", "corners")
+_REGION = re.compile(r"\s*(\d+)\s*=")
 _ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
 
 
@@ -135,6 +137,25 @@ def with_targets(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
             raise CGCError(f"--target must be a number or REGION=NUMBER, such as 0.03 or 4=0.03, not {text!r}") from None
         problem = problem.with_targets(K, region=where)
     return problem
+
+
+def with_laws(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
+    """Return the problem with the laws of ``--law [REGION=]LAW``.
+
+    Raises
+    ------
+    CGCError
+        If a law is invalid.
+    """
+    laws: dict[int, str] = {}
+    for text in sorted(texts, key=lambda text: _REGION.match(text) is not None):
+        found = _REGION.match(text)
+        regions = range(problem.number_of_regions()) if found is None else [int(found.group(1))]
+        laws.update(dict.fromkeys(regions, text if found is None else text[found.end() :]))
+    try:
+        return problem.with_laws(laws) if laws else problem
+    except ValueError as error:
+        raise CGCError(f"--law: {error}") from None
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -25,6 +25,7 @@ from .arguments import add_reading
 from .arguments import add_supports
 from .arguments import read_input
 from .arguments import settings_of
+from .arguments import with_laws
 from .arguments import with_targets
 from .console import Parts
 from .console import ProgressBar
@@ -65,6 +66,7 @@ examples:
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.03
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.01 --target 4=0.04 --s 0.5
   compas-cgc solve plan.obj -o dome.obj --supports boundary --target 0.1
+  compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.01 --law 1=minimal --law "2=H = 0.05"
   compas-cgc solve roof.3dm -o roof_solved.3dm --picture roof.png --picture-of zebra
   compas-cgc solve roof.3dm -o roof_solved.3dm --rise 4 --above 2.5@gate --unknown all
 """
@@ -82,6 +84,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="[REGION=]K",
         help="target Gaussian curvature in 1 / (model unit)², everywhere or in a region; repeatable",
+    )
+    parser.add_argument(
+        "--law",
+        action="append",
+        default=[],
+        metavar="[REGION=]LAW",
+        help="law of the mean curvature H and the Gaussian curvature K, everywhere or in a region: minimal, 'H = 0.1' or "
+        "'2 H + 0.5 K = 0.3'; H > 0 bulges to the side of the normals; repeatable",
     )
     add_supports(parser)
     parser.add_argument("--flip", action="store_true", help="reverse the normals, so that the surface rises to the other side")
@@ -194,7 +204,7 @@ def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCPr
         problem = problem.with_supports(arguments.supports)
     if arguments.flip:
         problem = problem.flipped()
-    problem = with_targets(problem, arguments.target)
+    problem = with_laws(with_targets(problem, arguments.target), arguments.law)
     return problem.with_goals(goals_of(arguments, dict(problem.drawing.places)))
 
 

@@ -86,12 +86,14 @@ def _covered(problem: CGCProblem, drawn: Optional[FloatArray]) -> str:
 def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:
     targets = problem.targets[problem.asked]
     targets = targets[np.isfinite(targets)]
-    if not len(targets):
+    laws = list(dict.fromkeys(map(str, problem.laws.values())))
+    if not len(targets) and not laws:
         return "no K prescribed"
-    low, high = f"{targets.min():.4g}", f"{targets.max():.4g}"
-    count = len(problem.region_targets())
-    text = f"K = {low}" if low == high else f"K from {low} to {high}"
-    text += f" in {count} regions" if count > 1 else ""
+    parts, count = laws, len(problem.region_targets())
+    if len(targets):
+        low, high = f"{targets.min():.4g}", f"{targets.max():.4g}"
+        parts = [f"K = {low}" if low == high else f"K from {low} to {high}", *laws]
+    text = " and ".join(parts) + (f" in {count} regions" if count > 1 else "")
     if status != "converged":
         return f"{text} with errors up to {max_error:.2g}"
     found = any(isinstance(own, Unknown) for own in problem.goals)

@@ -224,6 +224,7 @@ class Study:
         for array in (problem.vertices, problem.faces, problem.roles, problem.targets, problem.s, problem.e, problem.creases):
             found.update(array.tobytes())
         found.update(repr(problem.goals).encode())
+        found.update(repr(dict(problem.laws)).encode() if problem.laws else b"")
         return found.hexdigest()
 
 

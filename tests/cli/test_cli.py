@@ -60,6 +60,13 @@ def dome(tmp_path):
     return path
 
 
+def test_a_law_is_solved_for_and_kept_in_the_file(dome, tmp_path, capsys):
+    out = tmp_path / "cushion.json"
+    assert call("solve", dome, "-o", out, "--target", "0.01", "--law", "0=H = 0.05") == 0
+    assert "H = 0.05 as prescribed" in capsys.readouterr().out
+    assert str(CGCMesh.from_json(out).region_law(0)) == "H = 0.05"
+
+
 def test_the_main_job_as_the_readme_says(tmp_path):
     out, report = tmp_path / "roof.3dm", tmp_path / "report.json"
     done = command("solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01", "--target", "4=0.04", "--report", report)
@@ -176,6 +183,9 @@ REFUSED = [
     (["solve", "DOME", "-o", "out.json", "--target", "much"], "--target must be a number or REGION=NUMBER"),
     (["solve", "DOME", "-o", "out.json", "--target", "7=0.01"], "there is no region 7"),
     (["solve", "DOME", "-o", "out.json"], "no target curvature is set"),
+    (["solve", "DOME", "-o", "out.json", "--law", "H of 2"], "--law: 'H of 2' is not a law; write minimal"),
+    (["solve", "DOME", "-o", "out.json", "--law", "7=minimal"], "there is no region 7"),
+    (["solve", "DOME", "-o", "out.json", "--law", "H = 0.3"], "carries |H| up to 0.222 only"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "3"], "s must be between 0 and 1"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--method", "magic"], "method must be one of"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "0"], "steps must be a whole number from 1 up"),

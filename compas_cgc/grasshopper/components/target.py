@@ -1,8 +1,9 @@
-"""Target: target Gaussian curvature of regions."""
+"""Target: target Gaussian curvature or law of regions."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from collections.abc import Sequence
 from typing import Any
 from typing import NamedTuple
@@ -28,37 +29,46 @@ class TargetOutputs(NamedTuple):
 
 
 @reports_errors(TargetOutputs)
-def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any) -> TargetOutputs:
-    """Set target curvatures of all regions, of regions by number, or of the regions at points."""
+def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any, law: Any = None) -> TargetOutputs:
+    """Set target curvatures or laws of all regions, of regions by number, or of the regions at points."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return TargetOutputs(None)
-    values = with_nulls(K)
-    numbers = [value for value in values if value is not None]
-    if not numbers:
-        raise CGCError("connect at least one curvature K, in 1 / (model unit)²")
+    values, laws = with_nulls(K), with_nulls(law)
+    numbers, texts = ([value for value in given if value is not None] for given in (values, laws))
+    if not numbers and not texts:
+        raise CGCError("connect at least one curvature K, in 1 / (model unit)², or one law such as H = 0.1")
     wrong = [value for value in numbers if not math.isfinite(value)]
     if wrong:
         raise CGCError(f"the target must be a finite number, not {wrong[0]!r}")
     problem = cgc_mesh.to_problem()
     count = problem.number_of_regions()
-    everywhere: list[Optional[int]] = list(range(count)) if len(values) > 1 else []
+    everywhere: list[Optional[int]] = list(range(count)) if max(len(values), len(laws)) > 1 else []
     chosen = _chosen(problem, with_nulls(region), with_nulls(point)) or everywhere
-    if chosen and len(values) not in (1, len(chosen)):
-        raise CGCError(f"there are {len(values)} curvatures for {len(chosen)} regions; connect one for all regions, or one per region")
+    for given, what in ((values, "curvatures"), (laws, "laws")):
+        if chosen and len(given) not in (0, 1, len(chosen)):
+            raise CGCError(f"there are {len(given)} {what} for {len(chosen)} regions; connect one for all regions, or one per region")
     if not chosen:
         set_message(component, f"{count} of {count} regions")
-        return TargetOutputs(WireMesh(problem.with_targets(float(numbers[0]))))
-    # Nulls keep their place: the K of a null region is not used, and a region with a null K keeps its target.
-    targets: dict[int, float] = {}
-    for number, value in zip(chosen, values if len(values) > 1 else values * len(chosen)):
+        problem = problem.with_targets(float(numbers[0])) if numbers else problem
+        return TargetOutputs(WireMesh(problem.with_laws(str(texts[0])) if texts else problem))
+    targets = _by_region(component, chosen, values, lambda value: f"K = {value:.3g}")
+    others = _by_region(component, chosen, laws, str)
+    set_message(component, f"{len({**targets, **others})} of {count} regions")
+    problem = problem.with_targets({number: float(value) for number, value in targets.items()})
+    return TargetOutputs(WireMesh(problem.with_laws(others)))
+
+
+def _by_region(component: Any, chosen: Sequence[Optional[int]], values: Sequence[Any], shown: Callable[[Any], str]) -> dict[int, Any]:
+    """Return values by region; nulls keep their place: the value of a null region is not used, a region with a null value keeps its own."""
+    found: dict[int, Any] = {}
+    for number, value in zip(chosen, values if len(values) > 1 else list(values) * len(chosen)):
         if number is None or value is None:
             continue
-        if targets.get(number, value) != value:
-            add_warning(component, f"region {number} receives K = {targets[number]:.3g} and K = {value:.3g}; the last one applies")
-        targets[number] = float(value)
-    set_message(component, f"{len(targets)} of {count} regions")
-    return TargetOutputs(WireMesh(problem.with_targets(targets)))
+        if found.get(number, value) != value:
+            add_warning(component, f"region {number} receives {shown(found[number])} and {shown(value)}; the last one applies")
+        found[number] = value
+    return found
 
 
 def _chosen(problem: CGCProblem, numbers: Sequence[Optional[int]], points: Sequence[Any]) -> list[Optional[int]]:

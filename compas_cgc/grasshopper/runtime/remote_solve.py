@@ -105,6 +105,7 @@ def request_body(id: str, problem: CGCProblem, settings: Optional[Settings] = No
         **_settings(settings),
         **(_compas_mesh(problem) if _needs_compas(problem) else _arrays(problem)),
         "goals": [constraint_data(constraint) for constraint in problem.goals],
+        **({"laws": {str(region): str(law) for region, law in problem.laws.items()}} if problem.laws else {}),
     }
     return json.dumps(body, allow_nan=False).encode("utf-8")
 

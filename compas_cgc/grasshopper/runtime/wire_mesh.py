@@ -68,7 +68,7 @@ def problem_fingerprint(given: PosesProblem) -> str:
     columns = [problem.vertices, problem.faces, problem.roles, problem.targets, problem.s, problem.e, problem.creases]
     if problem.origin is not None:
         columns += [problem.origin.vertices, problem.origin.drawn.vertices, problem.origin.drawn.targets]
-    made = hashlib.blake2b(repr([constraint_data(goal) for goal in problem.goals]).encode("utf-8"), digest_size=20)
+    made = hashlib.blake2b(repr([*(constraint_data(goal) for goal in problem.goals), dict(problem.laws)]).encode("utf-8"), digest_size=20)
     for column in columns:
         made.update(repr(column.shape).encode("utf-8"))
         made.update(column.tobytes())

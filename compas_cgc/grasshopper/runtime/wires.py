@@ -23,7 +23,7 @@ __all__ = ["LISTS", "check_wires", "single"]
 
 # Inputs that take lists; the others take a single value.
 LISTS = frozenset(
-    ("K", "clear", "clearance", "creases", "curves", "goals", "others", "point", "points", "region", "supports", "surfaces")
+    ("K", "clear", "clearance", "creases", "curves", "goals", "law", "others", "point", "points", "region", "supports", "surfaces")
     + ("through", "unknown")
 )
 
@@ -105,6 +105,7 @@ WIRES = {
     "result": Wire(lambda value: isinstance(value, SolveResult), "the output result of Solve"),
     "mesh": Wire(_is_mesh, "a mesh; surfaces and outlines go to the input surfaces"),
     "K": Wire(_is_number, "numbers, in 1 / (model unit)²"),
+    "law": Wire(_is_text, "texts such as H = 0.1, from a panel"),
     "region": Wire(_is_whole, "numbers of regions, counted from 0"),
     "point": Wire(_is_place, "points whose coordinates are numbers"),
     "points": Wire(_is_point, "points"),

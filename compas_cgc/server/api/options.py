@@ -15,6 +15,7 @@ from ...model.constraint_data import as_goals
 from ...model.constraints import check_indices
 from ...model.goals.wholes import Unknown
 from ...model.goals.wholes import is_of_whole
+from ...model.laws import as_law
 from ...model.problem import CGCProblem
 from ...model.problem import Targets
 from ...model.roles import DUMMY
@@ -34,7 +35,7 @@ from .units import UNITS
 __all__ = ["OPTIONS", "USER_ROLES", "apply_options", "check_options", "check_targets", "read_targets", "settings_of"]
 
 OPTIONS = (
-    *("supports", "creases", "targets", "goals", "unknown", "method", "settings"),
+    *("supports", "creases", "targets", "laws", "goals", "unknown", "method", "settings"),
     *("flip", "live", "name", "unit", "id"),
 )
 USER_ROLES = tuple(role for i, role in enumerate(ROLES) if i != DUMMY)
@@ -59,6 +60,7 @@ def check_options(options: Mapping[str, Any], count: Optional[int], limits: Limi
     _check_supports(options, count)
     _check_creases(options.get("creases"), count)
     check_targets(options.get("targets"), count)
+    _check_laws(options.get("laws"))
     method = options.get("method", "auto") if settings is None else method_of(settings)
     _check_goals(options.get("goals"), method, count)
     _check_unknown(options.get("unknown"))
@@ -86,6 +88,9 @@ def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem
         problem = problem.with_supports(options["supports"])
     if options.get("targets") is not None:
         problem = problem.with_targets(read_targets(options["targets"]))
+    if options.get("laws"):
+        laws = options["laws"]
+        problem = problem.with_laws({int(region): law for region, law in laws.items()} if isinstance(laws, Mapping) else laws)
     unknown = options.get("unknown")
     found = [Unknown(unknown)] if unknown else []
     return problem.with_goals([*(options.get("goals") or ()), *found])
@@ -195,6 +200,19 @@ def check_targets(value: object, count: Optional[int]) -> None:
             number(K, f"the target of region {key}")
     elif value is not None:
         number(value, "'targets' for all vertices")
+
+
+def _check_laws(value: object) -> None:
+    by_region = value if isinstance(value, dict) else {} if value is None else {"0": value}
+    if not all(key.isdecimal() and len(key) < 7 for key in by_region):
+        raise Unprocessable('\'laws\' by region must have region numbers as keys, such as {"0": "minimal", "1": "H = 0.1"}')
+    for law in by_region.values():
+        if not isinstance(law, str):
+            raise Unprocessable("'laws' must be a text such as \"H = 0.1\" for all regions, or an object of texts by region")
+        try:
+            as_law(law)
+        except ValueError as error:
+            raise Unprocessable(f"laws: {error}") from None
 
 
 def _check_goals(value: object, method: str, count: Optional[int]) -> None:

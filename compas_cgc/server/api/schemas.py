@@ -108,6 +108,7 @@ MODEL = {
             "items": {"type": ["number", "null"]},
             "description": "per vertex, if the target of a region is not constant [1/L^2]",
         },
+        "laws": {"type": "object", "additionalProperties": {"type": "string"}, "description": "by region, those other than constant K"},
         "settings": {"type": "object", "description": "settings of the paper, for an example"},
         "notes": {"type": "array", "items": {"type": "string"}},
         "problems": {
@@ -174,6 +175,11 @@ TARGETS = {
     ],
     "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
 }
+LAWS = {
+    "oneOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": "string"}}],
+    "description": "law of mean curvature H and Gaussian curvature K, one for all or by the number of the region: minimal, H = 0.1, "
+    "2 H + 0.5 K = 0.3",
+}
 LAST = {
     "type": "object",
     "required": ["vertices", "targets"],
@@ -198,6 +204,7 @@ def request_schema() -> dict:
             "supports": {"oneOf": [{"enum": list(SUPPORT_NAMES)}, INDICES]},
             "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
             "targets": TARGETS,
+            "laws": LAWS,
             "last": LAST,
             "goals": GOAL_LIST,
             "unknown": {

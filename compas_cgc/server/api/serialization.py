@@ -13,6 +13,7 @@ import numpy as np
 
 from ...datastructures import SolveResult
 from ...model.constraint_data import constraint_data
+from ...model.laws import as_law
 from ...model.problem import CGCProblem
 from ...model.problem import Drawing
 from ...model.problem import Names
@@ -87,7 +88,8 @@ def _arrays_of(problem: CGCProblem) -> dict[str, np.ndarray]:
 
 
 def _words_of(problem: CGCProblem) -> dict[str, Any]:
-    return {**problem.drawing._asdict(), "goals": [constraint_data(own) for own in problem.goals]}
+    laws = {str(region): str(law) for region, law in problem.laws.items()}
+    return {**problem.drawing._asdict(), "goals": [constraint_data(own) for own in problem.goals], "laws": laws}
 
 
 def _problem_of(arrays: Mapping[str, np.ndarray], words: Mapping[str, Any]) -> CGCProblem:
@@ -100,6 +102,7 @@ def _problem_of(arrays: Mapping[str, np.ndarray], words: Mapping[str, Any]) -> C
         e=arrays["e"],
         creases=arrays["creases"],
         goals=words.get("goals", ()),
+        laws={int(region): as_law(law) for region, law in words.get("laws", {}).items()},
         names=Names(arrays["keys"], arrays["face_keys"]),
         drawing=Drawing(words["name"], words.get("units"), words.get("tolerance")),
     )

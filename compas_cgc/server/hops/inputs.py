@@ -10,6 +10,7 @@ import numpy as np
 from ...io.reading import ReadProblem
 from ...io.rhino.assemble import assemble
 from ...io.rhino.sketch import Drawn
+from ...model.laws import ConstantCurvature
 from ...model.problem import CGCProblem
 from ..api.decoding import read_json
 from ..api.requests import SolveRequest
@@ -118,7 +119,7 @@ def _assembled(inputs: dict, context: dict, limits: Limits) -> ReadProblem:
 
     def targets(tolerance: float) -> list[Drawn]:
         named = enumerate(zip(inputs["K"], places))
-        return [Drawn(f"point {i} of input 'At'", "point", np.array([place]), K, {}) for i, (K, place) in named]
+        return [Drawn(f"point {i} of input 'At'", "point", np.array([place]), ConstantCurvature(K), {}) for i, (K, place) in named]
 
     return assemble(
         "mesh",

@@ -121,6 +121,8 @@ def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
         notes.append(f"the file has no curvature{_where(suggested, len(targets))}: a small one is set by default")
     if np.isfinite(own.s).any() or np.isfinite(own.e).any():
         notes.append("the file sets the strategies s and e along creases; this page uses one value of each for all")
+    laws = {str(region): str(law) for region, law in problem.laws.items()}
+    notes += [f"region {region} keeps the law {law} of the file; its K on this page is not used" for region, law in laws.items()]
     return {
         "name": name or own.drawing.name,
         "unit": unit_suffix(own.drawing.units or "").strip(),
@@ -134,6 +136,7 @@ def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
         "regions": problem.regions().tolist(),
         "targets": targets,
         "vertex_targets": _of_vertices(problem) if None in targets else None,
+        **({"laws": laws} if laws else {}),
         "notes": notes,
         "problems": [{"text": in_request_words(said), "fatal": said.fatal} for said in check(problem)],
     }
@@ -151,7 +154,7 @@ def _with_targets(problem: CGCProblem) -> tuple[CGCProblem, list[int]]:
         inside = np.zeros(len(problem.vertices), bool)
         inside[problem.faces[regions == region]] = True
         inside &= problem.roles != CREASE
-        if np.isfinite(problem.targets[inside]).any():
+        if region in problem.laws or np.isfinite(problem.targets[inside]).any():
             continue
         area = float(areas[regions == region].sum())
         # A cap with one eighth of the integral curvature of a hemisphere.

@@ -1,6 +1,6 @@
 #! python 3
 # venv: compas_cgc
-"""Set the target Gaussian curvature, everywhere or region by region.
+"""Set the target Gaussian curvature or the law, everywhere or region by region.
 
 COMPAS CGC {{version}}
 """
@@ -19,6 +19,7 @@ class Target(Grasshopper.Kernel.GH_ScriptInstance):
         K: System.Collections.Generic.List[float],
         region: System.Collections.Generic.List[int],
         point: System.Collections.Generic.List[Rhino.Geometry.Point3d],
+        law: System.Collections.Generic.List[str],
     ):
-        out = target(ghenv.Component, cgc_mesh, K, region, point)  # noqa: F821
+        out = target(ghenv.Component, cgc_mesh, K, region, point, law)  # noqa: F821
         return out.cgc_mesh

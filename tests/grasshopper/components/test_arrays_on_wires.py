@@ -101,7 +101,7 @@ def test_nulls_keep_their_place(seed):
     values = [None if rng.random() < 0.3 else float(rng.integers(1, 9)) / 100 for _ in range(size)]
     out = placed.run(cgc_mesh=given, K=values, region=regions)["cgc_mesh"]
     if not any(values):
-        assert placed.said("Error") == ["connect at least one curvature K, in 1 / (model unit)²"]
+        assert placed.said("Error") == ["connect at least one curvature K, in 1 / (model unit)², or one law such as H = 0.1"]
         return
     expected, conflict = [0.01, 0.01], False
     for place_of in range(2):

@@ -80,6 +80,7 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
         ("Target", {"cgc_mesh": "NINE", "K": [1.0], "region": [9]}, "there is no region 9"),
         ("Target", {"cgc_mesh": "NINE", "K": [1.0], "region": [0], "point": [Point3d(0, 0, 0)]}, "by number or by points, not both"),
         ("Target", {"cgc_mesh": "NINE", "K": [float("nan")]}, "must be a finite number"),
+        ("Target", {"cgc_mesh": "NINE", "law": ["H of 2"]}, "'H of 2' is not a law; write minimal, H = 0.1"),
         ("Settings", {"s": 2.0}, "s must be between 0 and 1"),
         ("Settings", {"steps": 0}, "steps must be a whole number from 1 up"),
         ("Settings", {"method": "newton", "delay": 5}, "delay is a setting of flow, not of newton"),
@@ -185,6 +186,8 @@ def test_targets_everywhere_by_number_and_by_point():
     assert mesh.vertices_target() == [None] * 100, "the mesh on the wire must not change"
     chained = target.run(cgc_mesh=target.run(cgc_mesh=mesh, K=[0.01])["cgc_mesh"], K=[0.04], region=[middle])["cgc_mesh"]
     assert [chained.region_target(r) for r in range(9)] == [0.04 if r == middle else 0.01 for r in range(9)]
+    laws = target.run(cgc_mesh=mesh, K=[0.01], region=[0, 1, 2], law=[None, "minimal", "H = 0.1"])["cgc_mesh"]
+    assert [str(laws.region_law(r)) for r in range(4)] == ["K = 0.01", "H = 0", "H = 0.1", "None"]
 
 
 # ----------------------------------------------------------------------

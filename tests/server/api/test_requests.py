@@ -199,6 +199,18 @@ class Told(NamedTuple):
         return False
 
 
+def test_laws_reach_the_problem_and_the_stored_result():
+    for laws in ("H = 0.1", {"0": "H = 0.1"}):
+        problem = read(asked(laws=laws)).problem
+        assert str(problem.laws[0]) == "H = 0.1"
+    assert unpack_problem(pack_problem(problem)).laws == problem.laws
+    result = solve(problem)
+    assert unpack_result(pack_result(result, {}))[0].problem.laws == problem.laws
+    for wrong, part in (("H of 2", "is not a law"), ({"x": "minimal"}, "region numbers as keys"), (3, "must be a text")):
+        with pytest.raises(Unprocessable, match=part):
+            accept(asked(laws=wrong), LIMITS)
+
+
 @pytest.mark.parametrize("wrong", ["x", True, [], 1e13, -1e13, 10**20])
 def test_a_target_that_is_none_is_named_wherever_it_stands(wrong):
     for place in (0, 20, 48):

@@ -30,6 +30,7 @@ export interface Data {
   goals: object[];
   targets: (number | null)[];
   vertex_targets?: (number | null)[] | null;
+  laws?: Record<string, string>;
   notes: string[];
   problems: { text: string; fatal: boolean }[];
   settings?: Record<string, any>;
