@@ -23,6 +23,7 @@ from ..discrete.arrays import Vertices
 from ..discrete.corners import corner_angles
 from ..errors import names_what_was_meant
 from ..meshing import vertex_labels
+from ..model.law_errors import law_errors
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
@@ -69,6 +70,8 @@ class RegionReport:
         Smallest principal curvature of the fits [1/L].
     concave_edges
         Number of edges inside the region that fold inwards.
+    law
+        Law of the region if it is not constant K; the errors are then its residuals, in its units.
 
     Examples
     --------
@@ -92,6 +95,7 @@ class RegionReport:
     principal_max: Optional[float]  # largest principal curvature of the fits [1/L]
     principal_min: Optional[float]  # smallest principal curvature of the fits [1/L]
     concave_edges: int  # number of edges inside the region that fold inwards
+    law: Optional[str] = None  # other than constant K; the errors are then the residuals of the law, in its units
 
 
 @dataclass(frozen=True)
@@ -186,7 +190,7 @@ class SurfaceReport:
                 str(r.region),
                 str(r.faces),
                 f"{r.area:.5g}",
-                _number(r.target, "mixed" if r.asked else "-"),
+                _number(r.target, r.law or ("mixed" if r.asked else "-")),
                 _number(r.max_error, form=".2e"),
                 _number(r.rms_error, form=".2e"),
                 _number(r.total_curvature),
@@ -258,7 +262,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, 
         errors,
         regions,
         _quality(V, F, problem.asked),
-        max((r.max_error for r in regions if r.max_error is not None), default=0.0),
+        max((r.max_error for r in regions if r.max_error is not None and r.law is None), default=0.0),
         None if moved is None else float(moved.max(initial=0.0)),
         None if moved is None else float(moved.mean()),
     )
@@ -270,13 +274,14 @@ def _regions(problem: CGCProblem, label: IntArray, creases: Edges, K: PerVertex)
     fitted = quadric_curvatures(V, F, wanted=asked, through=asked)
     region = vertex_labels(len(V), F, label)
     concave = _concave_edges(V, F, label, creases)
+    of_laws = {found.region: found for found in law_errors(problem)}
     reports = []
     for number in range(label.max(initial=-1) + 1):
         own = asked & (region == number)
         targets = np.unique(problem.targets[own])
-        error = (K - problem.targets)[own]
+        error = of_laws[number].residuals if number in of_laws else (K - problem.targets)[own]
         fit = fitted.gaussian[own & np.isfinite(fitted.gaussian)]
-        some, fits = own.any(), fit.size > 0
+        some, fits = error.size > 0, fit.size > 0
         low, middle, high = np.percentile(fit, [10, 50, 90]).tolist() if fits else (None, None, None)
         reports.append(
             RegionReport(
@@ -284,7 +289,7 @@ def _regions(problem: CGCProblem, label: IntArray, creases: Edges, K: PerVertex)
                 faces=int((label == number).sum()),
                 area=float(area[label == number].sum()),
                 asked=int(own.sum()),
-                target=float(targets[0]) if len(targets) == 1 else None,
+                target=float(targets[0]) if len(targets) == 1 and np.isfinite(targets[0]) else None,
                 max_error=float(np.abs(error).max()) if some else None,
                 rms_error=float(np.sqrt(np.mean(error**2))) if some else None,
                 total_curvature=float(defect[own].sum() / cell[own].sum()) if some else None,
@@ -294,6 +299,7 @@ def _regions(problem: CGCProblem, label: IntArray, creases: Edges, K: PerVertex)
                 principal_max=float(np.nanmax(fitted.largest[own])) if fits else None,
                 principal_min=float(np.nanmin(fitted.smallest[own])) if fits else None,
                 concave_edges=int((concave == number).sum()),
+                law=str(of_laws[number].law) if number in of_laws else None,
             )
         )
     return reports

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import names_what_was_meant
 from .given import checked_number
 
 __all__ = [
@@ -40,13 +41,23 @@ class Shape(NamedTuple):
     saddle: FloatArray  # [1/L]
 
 
+@names_what_was_meant()
 class Law:
     """A relation f(H, K) = 0 between the mean curvature H and the Gaussian curvature K.
 
     H is the mean of the principal curvatures, positive where the surface is convex towards the side of its normals: a dome over
     a plan whose normals point up has H > 0, a sphere with outward normals H = 1/r. A subclass defines the methods below, and
     nothing else in the package has to know it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from compas_cgc import ConstantMeanCurvature
+    >>> ConstantMeanCurvature(0.1).residual(np.array([0.3]), np.array([0.0])).round(6).tolist()
+    [0.2]
     """
+
+    def __init__(self) -> None: ...
 
     def residual(self, H: FloatArray, K: FloatArray) -> FloatArray:
         """Return f (k,) at mean curvatures [1/L] and Gaussian curvatures [1/L^2] (k,)."""
@@ -161,6 +172,7 @@ class _Linear(Law):
         return hash(self.coefficients)
 
 
+@names_what_was_meant()
 @dataclass(frozen=True, eq=False)
 class ConstantCurvature(_Linear):
     """Constant Gaussian curvature, K = k.
@@ -177,6 +189,10 @@ class ConstantCurvature(_Linear):
     """
 
     k: Curvature
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.k, np.ndarray):
+            _checked(self.k, "the Gaussian curvature k")
 
     @property
     def coefficients(self) -> tuple[Curvature, Curvature, Curvature]:
@@ -198,6 +214,7 @@ class ConstantCurvature(_Linear):
         return "panels from one mould per region; K = 0 unrolls into plane sheets, K < 0 carries nets of straight laths"
 
 
+@names_what_was_meant()
 @dataclass(frozen=True, eq=False)
 class ConstantMeanCurvature(_Linear):
     """Constant mean curvature, H = h: a membrane with equal tension in all directions under constant pressure.
@@ -216,7 +233,7 @@ class ConstantMeanCurvature(_Linear):
     h: float
 
     def __post_init__(self) -> None:
-        checked_number(self.h, "the mean curvature h")
+        _checked(self.h, "the mean curvature h")
 
     @property
     def coefficients(self) -> tuple[Curvature, Curvature, Curvature]:
@@ -245,9 +262,17 @@ class ConstantMeanCurvature(_Linear):
         return "pneumatic cushions: equal tension in all directions carries constant pressure, and the curvature net has square panels"
 
 
+@names_what_was_meant()
 @dataclass(frozen=True, eq=False)
 class Minimal(_Linear):
-    """Mean curvature zero, H = 0: a soap film, whose area is stationary for its boundary."""
+    """Mean curvature zero, H = 0: a soap film, whose area is stationary for its boundary.
+
+    Examples
+    --------
+    >>> from compas_cgc import Minimal
+    >>> print(Minimal(), Minimal().type)
+    H = 0 elliptic
+    """
 
     @property
     def coefficients(self) -> tuple[Curvature, Curvature, Curvature]:
@@ -269,6 +294,7 @@ class Minimal(_Linear):
         return "prestressed membranes with equal tension in all directions; asymptotic and curvature nets meet at 45 degrees"
 
 
+@names_what_was_meant()
 @dataclass(frozen=True, eq=False)
 class LinearWeingarten(_Linear):
     """A linear relation a H + b K = c, such as of surfaces parallel to one of constant K or constant H.
@@ -290,8 +316,7 @@ class LinearWeingarten(_Linear):
 
     def __post_init__(self) -> None:
         for name in ("a", "b", "c"):
-            if not math.isfinite(checked_number(getattr(self, name), f"the coefficient {name}")):
-                raise ValueError(f"the coefficient {name} must be a finite number, not {getattr(self, name)!r}")
+            _checked(getattr(self, name), f"the coefficient {name}")
         if self.a == 0.0 and self.b == 0.0:
             raise ValueError("the coefficients a and b must not both be 0")
 
@@ -317,6 +342,11 @@ class LinearWeingarten(_Linear):
     @property
     def description(self) -> str:
         return "offsets of surfaces of constant K or constant H; curvatures depend on each other, so that nodes repeat"
+
+
+def _checked(value: object, name: str) -> None:
+    if not math.isfinite(checked_number(value, name)):
+        raise ValueError(f"{name} must be a finite number, not {value!r}")
 
 
 class Piecewise(Law):

@@ -27,10 +27,12 @@ from .branch_points import branch_points
 from .branch_points import depth
 from .faults import fault
 from .goals.inequalities import Bound
+from .law_errors import law_errors
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import DUMMY
 from .roles import FIXED
+from .roles import INTERNAL
 
 __all__ = ["Verdict", "verdict"]
 
@@ -155,7 +157,8 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     else:
         problem = problem.without_dummies()
     V, F = problem.vertices, problem.faces
-    fits = local_fits(V, F, problem.asked, problem.asked, layout=False)
+    internal = problem.roles == INTERNAL
+    fits = local_fits(V, F, internal, internal, layout=False)
     error, own = _errors(problem, fits)
     wave = _waves(fits)
     other = _bulging_otherwise(problem, fits)
@@ -169,7 +172,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
 
     if _is_off(error - own):
         # On stretched or coarse triangles cubic fits are inaccurate; fits of higher degree over more rings decide.
-        finer = local_fits(V, F, problem.asked, problem.asked, FINE_DEGREE, FINE_RINGS, pinned=False, layout=False).gaussian
+        finer = local_fits(V, F, internal, internal, FINE_DEGREE, FINE_RINGS, pinned=False, layout=False).gaussian
         closer = _against(problem, fits, np.where(np.isfinite(error) & np.isfinite(finer), finer, fits.gaussian), np.isfinite(error))
         error = error if _is_off(closer - own) else closer
     median, most = _percentiles(error, 50, 90)
@@ -182,6 +185,11 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     if _is_off(error - own):
         off = f"{_percent(median or 0.0)} % (median) and {_percent(most or 0.0)} % (90th percentile)"
         reasons.append(f"the curvature of fitted polynomials deviates from its target by {off}")
+    for found in law_errors(problem):
+        middle, high = _percentiles(found.relative, 50, 90)
+        if middle is not None and high is not None and (middle > MAX_MEDIAN_ERROR or high > MAX_ERROR_90):
+            off = f"{_percent(middle)} % (median) and {_percent(high)} % (90th percentile)"
+            reasons.append(f"region {found.region} deviates from its law {found.law} by {off} of its curvature")
     if wavy is not None and waviest is not None and (wavy > MAX_WAVINESS_75 or waviest > MAX_WAVINESS_95):
         reasons.append(f"it is wavy: vertices deviate from a smooth surface by up to {_percent(waviest)} % of its sagitta")
     if both > MAX_OTHER_SIDE:

@@ -1,0 +1,53 @@
+"""Residuals of the laws of regions on a given surface, by mid-edge normals."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.measured_curvature import measured_curvature
+from .laws import Law
+from .problem import CGCProblem
+from .roles import INTERNAL
+
+__all__ = ["LawErrors", "law_errors"]
+
+FLAT = 1e-3  # principal curvature times the size of a surface, from which relative residuals are counted
+
+
+class LawErrors(NamedTuple):
+    """Residuals of the law of one region at its internal vertices."""
+
+    region: int
+    law: Law
+    vertices: IntArray  # (k,)
+    residuals: FloatArray  # (k,) in the units of the law
+    relative: FloatArray  # (k,) against what a sphere with the typical curvature of the region would have
+
+
+def law_errors(problem: CGCProblem) -> list[LawErrors]:
+    """Return the residuals of all laws other than constant K; none if there are no such laws.
+
+    Parameters
+    ----------
+    problem
+        A surface without dummies, with its laws.
+    """
+    if not problem.laws:
+        return []
+    V, F = problem.vertices, problem.faces
+    found = measured_curvature(V, F, problem.creases, problem.regions())
+    size = float(np.linalg.norm(np.ptp(V, axis=0)))
+    errors = []
+    for region, law in problem.laws.items():
+        own = (found.pairs[:, 1] == region) & (problem.roles == INTERNAL)[found.pairs[:, 0]] & np.isfinite(found.mean)
+        H, K = found.mean[own], found.gaussian[own]
+        residuals = law.residual(H, K)
+        by_H, by_K = law.first_derivatives(H, K)
+        typical = max(float(np.sqrt(np.mean(np.maximum(2.0 * H**2 - K, 0.0)))) if len(H) else 0.0, FLAT / size)
+        relative = np.abs(residuals) / (np.abs(by_H) * typical + np.abs(by_K) * typical**2)
+        errors.append(LawErrors(region, law, found.pairs[own, 0], residuals, relative))
+    return errors
