@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import Callable
 from typing import Optional
 
 from .._atomic_write import published_together
+from ..errors import CGCError
 from ..fabrication.tasks import TASKS
 from ..fabrication.tasks import BuildOption
 from ..fabrication.tasks import read_settings
@@ -26,7 +28,9 @@ from .exits import DONE
 if TYPE_CHECKING:
     from ..model.problem import CGCProblem
 
-__all__ = ["add_outputs", "add_task", "build_and_write", "read_solved", "settings_of"]
+__all__ = ["JOINTS", "add_joints", "add_outputs", "add_task", "build_and_write", "read_solved", "settings_of", "with_curves"]
+
+JOINTS = ("size", "count", "columns", "rows")  # options of a task that divide regions
 
 
 def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = ()) -> None:
@@ -45,6 +49,33 @@ def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = 
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     add_reading(parser)
+
+
+def add_joints(parser: argparse.ArgumentParser, required: bool) -> None:
+    """Add the options that divide regions into panels."""
+    divided = parser.add_mutually_exclusive_group(required=required)
+    divided.add_argument("--size", metavar="L", help="approximate width of the panels, in model units")
+    divided.add_argument("--count", metavar="N", help="approximate number of panels per region")
+    divided.add_argument("--columns", metavar="L,L,...", help="widths of the panels along x; the last one is repeated")
+    divided.add_argument("--curves", metavar="LAYER", help="divide along the curves on a layer of the .3dm file")
+    parser.add_argument("--rows", metavar="L,L,...", help="widths of the panels along y, with --columns")
+
+
+def with_curves(settings: dict[str, Any], arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the settings of a task with the curves of the layer given by ``--curves``.
+
+    Raises
+    ------
+    CGCError
+        If the input is not a .3dm file.
+    """
+    if arguments.curves is None:
+        return settings
+    if Path(arguments.input).suffix.lower() != ".3dm":
+        raise CGCError("--curves requires a .3dm input file; for other formats use --size, --count or --columns")
+    from ..io.rhino.read import read_curves
+
+    return {**settings, "curves": read_curves(arguments.input, arguments.curves)}
 
 
 def add_outputs(parser: argparse.ArgumentParser, task: str) -> None:
@@ -113,6 +144,8 @@ def build_and_write(
     for output in arguments.output:
         build_suffix(task, output)
     settings = settings_of(arguments, task)
+    if hasattr(arguments, "curves"):
+        settings = with_curves(settings, arguments)
     problem = read_solved(arguments)
     if supports:
         problem = problem.with_supports(supports)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
@@ -13,9 +12,12 @@ from .._atomic_write import published_together
 from .._atomic_write import write_text
 from ..errors import CGCError
 from ..errors import FileError
+from .building import JOINTS
+from .building import add_joints
 from .building import add_task
 from .building import read_solved
 from .building import settings_of
+from .building import with_curves
 from .console import Parts
 from .console import printer
 from .exits import DONE
@@ -23,7 +25,6 @@ from .exits import DONE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..discrete.arrays import FloatArray
     from ..fabrication import MouldReport
     from ..model.problem import CGCProblem
 
@@ -45,13 +46,10 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_task(parser, "mould", leave=("size", "count"))
+    add_task(parser, "mould", leave=JOINTS)
     parser.epilog = _EPILOG
     parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help=".3dm file to write")
-    divided = parser.add_mutually_exclusive_group(required=True)
-    divided.add_argument("--size", metavar="L", help="approximate width of the panels, in model units")
-    divided.add_argument("--count", metavar="N", help="approximate number of panels per region")
-    divided.add_argument("--curves", metavar="LAYER", help="divide along the curves on a layer of the .3dm file")
+    add_joints(parser, required=True)
     parser.add_argument("--no-page", action="store_true", help="do not write the page of pictures")
     parser.add_argument("--report", metavar="JSON", help="write the figures of every panel as JSON")
     parser.set_defaults(run=run)
@@ -68,10 +66,10 @@ def run(arguments: argparse.Namespace) -> int:
     echo = printer(arguments.quiet)
     settings = settings_of(arguments, "mould")
     problem = read_solved(arguments)
-    curves = _curves(arguments)
+    settings = with_curves(settings, arguments)
     parts = Parts(3, quiet=arguments.quiet)
     with parts.part("fitting panels to moulds"):
-        report = build("mould", problem, settings if curves is None else {**settings, "curves": curves})
+        report = build("mould", problem, settings)
     echo(str(report))
     with parts.part("drawing the page"):
         page = _drawn(problem, report, arguments)
@@ -88,16 +86,6 @@ def run(arguments: argparse.Namespace) -> int:
     for path in written:
         echo(f"wrote {path}")
     return DONE
-
-
-def _curves(arguments: argparse.Namespace) -> Optional[Sequence[FloatArray]]:
-    if arguments.curves is None:
-        return None
-    if Path(arguments.input).suffix.lower() != ".3dm":
-        raise CGCError("--curves requires a .3dm input file; for other formats use --size or --count")
-    from ..io.rhino.read import read_curves
-
-    return read_curves(arguments.input, arguments.curves)
 
 
 def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespace) -> Optional[Figure]:

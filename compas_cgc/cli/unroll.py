@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from .building import JOINTS
+from .building import add_joints
 from .building import add_outputs
 from .building import add_task
 from .building import build_and_write
@@ -33,7 +35,8 @@ examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_outputs(parser, "unroll")
-    add_task(parser, "unroll")
+    add_task(parser, "unroll", leave=JOINTS)
+    add_joints(parser, required=False)
     parser.epilog = _EPILOG
     parser.set_defaults(run=run)
 

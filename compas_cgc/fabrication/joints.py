@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
-from typing import Optional
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..discrete.arrays import Edges
-from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from ..errors import MeshError
 from ..meshing import path_edges
@@ -28,16 +24,10 @@ from ..meshing.split import split_path
 from ..meshing.trace import follow_edges
 from ..meshing.trace import trace_curve
 from ..model.problem import CGCProblem
-from .grids import curvature_coordinates
-from .grids import plan_coordinates
-from .grids import square_coordinates
+from .grid_lines import GridLines
 from .patchwork import weights_in
 
 __all__ = ["Joints", "curve_joints", "grid_joints"]
-
-MAX_SHIFT = 0.15  # largest shift of a grid line onto mesh edges, relative to the width of a face
-FOLLOW_RATIO = 0.1  # remaining cut into faces, relative to the unshifted line, up to which it counts as following edges
-SHIFT_TOLERANCE = 1e-6  # relative tolerance of the shift
 
 
 class Joints(NamedTuple):
@@ -49,68 +39,17 @@ class Joints(NamedTuple):
     share: FloatArray  # (r,) area of a grid cell by region, 0 without a grid [L^2]
 
 
-def grid_joints(
-    problem: CGCProblem, region: IntArray, areas: FloatArray, size: Optional[float], count: Optional[int], along: str
-) -> Joints:
-    """Cut every region along a grid, with a whole number of cells of about `size` [L], or about `count` cells."""
-    regions = int(region.max(initial=-1)) + 1
-    values = np.zeros((len(region), 3, 2))
-    levels: list[list[FloatArray]] = [[], []]
-    share = np.zeros(regions)
-    for number in range(regions):
-        own = np.flatnonzero(region == number)
-        used, corners = np.unique(problem.faces[own], return_inverse=True)
-        F = corners.reshape(-1, 3)
-        at = _coordinates(problem.vertices[used], F, along)
-        cells = _cells(at, len(own), size, count)
-        values[own] = at[F]
-        share[number] = areas[own].sum() / math.prod(cells)
-        for axis in (0, 1):
-            low, extent = float(at[:, axis].min()), float(np.ptp(at[:, axis]))
-            lines = low + extent * np.arange(1, cells[axis]) / cells[axis]
-            levels[axis].append(np.unique([_shifted(line, at[F][:, :, axis]) for line in lines.tolist()]))
-    mesh, values = cut_along_levels(problem.vertices, problem.faces, region, values, levels)
+def grid_joints(problem: CGCProblem, region: IntArray, areas: FloatArray, grid: GridLines) -> Joints:
+    """Cut every region along the lines of a grid."""
+    levels = grid.levels
+    mesh, values = cut_along_levels(problem.vertices, problem.faces, region, grid.values, levels)
     middle, part = values.mean(axis=1), region[mesh.parent]
     cell = np.zeros(len(part), np.int64)
-    for number in range(regions):
+    for number in range(len(levels[0])):
         own = part == number
         first, second = (np.searchsorted(levels[axis][number], middle[own, axis]) for axis in (0, 1))
         cell[own] = first * (len(levels[1][number]) + 1) + second
-    return Joints(mesh, cell, np.empty((0, 2), np.int64), share)
-
-
-def _coordinates(vertices: Vertices, faces: Faces, along: str) -> FloatArray:
-    if along == "curvature":
-        return curvature_coordinates(vertices, faces)
-    square = square_coordinates(vertices, faces)
-    return plan_coordinates(vertices, faces) if square is None else square
-
-
-def _cells(at: FloatArray, faces: int, size: Optional[float], count: Optional[int]) -> list[int]:
-    """Return the numbers of cells of a region in both directions."""
-    extent = np.maximum(np.ptp(at, axis=0), np.finfo(float).tiny)
-    if size is not None:
-        numbers = [max(1, round(min(wide / size, 1e9))) for wide in extent.tolist()]
-    else:
-        first = max(1, round(math.sqrt((count or 1) * extent[0] / extent[1])))
-        numbers = [first, max(1, round((count or 1) / first))]
-    if math.prod(numbers) > faces:
-        raise CGCError(f"a region of {faces} triangles cannot be divided into {count or math.prod(numbers)} panels; use larger panels")
-    return numbers
-
-
-def _shifted(line: float, at: FloatArray) -> float:
-    """Return a nearby position at which a grid line follows edges, given corner coordinates (m, 3); else the line itself."""
-    low, high = at.min(axis=1), at.max(axis=1)
-    reach = MAX_SHIFT * float(np.median(high - low))
-    near = (low <= line + 2 * reach) & (high >= line - 2 * reach)
-    if not near.any():
-        return line
-    tries = np.unique(np.append(at[near][np.abs(at[near] - line) <= reach * (1 + SHIFT_TOLERANCE)], line))
-    low, high = low[near], high[near]
-    cut = [np.maximum(np.minimum(high - one, one - low), 0.0).sum() + 1e-3 * abs(one - line) for one in tries.tolist()]
-    best = int(np.argmin(cut))
-    return float(tries[best]) if cut[best] < FOLLOW_RATIO * cut[int(np.searchsorted(tries, line))] else line
+    return Joints(mesh, cell, np.empty((0, 2), np.int64), np.bincount(region, areas, len(levels[0])) / grid.cells)
 
 
 def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from dataclasses import field
 from typing import Any
 from typing import Optional
 
@@ -21,10 +22,13 @@ from .flattening import strain_of_width
 from .flattening import widest_panel
 from .materials import Material
 from .mould_surface import Surface
+from .panel_seams import PanelSeam
 from .panelling import Panel
 from .pieces import best_box
 
-__all__ = ["Mould", "MouldReport", "PanelFit"]
+__all__ = ["SHORT_SEAM", "Mould", "MouldReport", "PanelFit"]
+
+SHORT_SEAM = 0.1  # length of seams below which they are named [m]
 
 
 @dataclass(frozen=True)
@@ -103,6 +107,8 @@ class MouldReport:
         Length of the model unit [m].
     arc
         Whether edges are arc lengths on the moulds instead of chords.
+    seams
+        Lines along which panels meet.
 
     Examples
     --------
@@ -119,6 +125,7 @@ class MouldReport:
     thickness: float  # of the sheets [mm]
     unit: float  # length of the model unit [m]
     arc: bool  # whether edges are arc lengths on the moulds instead of chords
+    seams: list[PanelSeam] = field(default_factory=list)  # lines along which panels meet
 
     def to_dict(self) -> dict[str, Any]:
         """Return a dict that can be written as JSON."""
@@ -156,6 +163,7 @@ class MouldReport:
                 *(line for own in self.moulds for line in self._lines(own)),
                 f"bending stress on 95 % of the area: at most {_two_digits(self.stress_95)} MPa",
                 *self._singular(),
+                *self._short(),
                 "congruence does not guarantee that a sheet can be bent into place: check the change of curvature and the stress",
             ]
         )
@@ -168,6 +176,11 @@ class MouldReport:
             "curvature is unbounded at point supports, corners of held edges and straight held edges (K > 0), so that the largest stress "
             f"depends on the mesh in panels {', '.join(names)}"
         ]
+
+    def _short(self) -> list[str]:
+        short = [own for own in self.seams if own.length * self.unit < SHORT_SEAM]
+        names = [f"{'/'.join(own.panels)} ({1e3 * self.unit * own.length:.0f} mm)" for own in short]
+        return [f"seams shorter than {1e3 * SHORT_SEAM:g} mm: {', '.join(names)}"] if names else []
 
     def _lines(self, mould: Mould) -> list[str]:
         own = [fit for fit in self.panels if fit.mould == mould.number]

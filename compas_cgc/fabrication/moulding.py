@@ -44,6 +44,7 @@ from .panel_parts import PanelParts
 from .panel_parts import PartsOnMould
 from .panel_parts import on_mould
 from .panel_parts import parts_of
+from .panel_seams import panel_seams
 from .panelling import Panel
 from .solved import solved_problem
 
@@ -150,7 +151,9 @@ def moulds(
         made.append(Mould(len(made) + 1, surface_for(K, radius), radius, len(groups[K])))
         for piece in groups[K]:
             results[piece.panel.name] = _fitted(piece, made[-1], operators, singular, stuff, thickness, unit)
-    return MouldReport(made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs)
+    return MouldReport(
+        made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs, panel_seams(problem, panels)
+    )
 
 
 def _check_panels(problem: CGCProblem, panels: Sequence[Panel]) -> None:

@@ -27,6 +27,7 @@ __all__ = [
     "text",
     "truth",
     "whole",
+    "widths",
 ]
 
 LARGEST = 1e9
@@ -131,6 +132,14 @@ def points(value: object, what: str) -> Union[str, list[list[float]]]:
         said = " ".join(rows) if all(isinstance(row, str) for row in rows) else value
         raise CGCError(f"{what} must be X,Y,Z such as 1.0,2.0,0.5, or 'supports', not {_short(said)}")
     return [row for row in found if row is not None]
+
+
+def widths(value: object, what: str) -> list[float]:
+    """Return widths such as ``1.2``, ``0.8,1.2`` or ``[0.8, 1.2]``."""
+    found = _numbers([value] if isinstance(value, (int, float)) else value)
+    if not found or min(found) <= 0.0:
+        raise CGCError(f"{what} must be positive widths, such as 1.2 or 0.8,1.2, not {_short(value)}")
+    return found
 
 
 def plan_vector(value: object, what: str) -> list[float]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable
 from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
+from typing import Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,13 +29,22 @@ from ..meshing.level_cuts import CutMesh
 from ..model.given import checked_number
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
+from .curves import CurveNet
+from .figures import metres
+from .grid_lines import Division
+from .grid_lines import GridLines
+from .grid_lines import Widths
+from .grid_lines import grid_lines
+from .joints import Joints
 from .joints import curve_joints
 from .joints import grid_joints
 from .layout import among
 from .option_values import ALONG
+from .panel_seams import seam_lengths
 
 __all__ = ["Panel", "panels"]
 
+MOVES = (0.05, 0.1, 0.15, 0.2)  # of a strip, by which grid lines are moved to lengthen short seams
 MIN_CELL_SHARE = 0.2  # area relative to a grid cell below which a panel is merged with a neighbour
 
 
@@ -75,14 +87,17 @@ def panels(
     size: Optional[float] = None,
     *,
     count: Optional[int] = None,
-    curves: Optional[Sequence[ArrayLike]] = None,
+    columns: Optional[Widths] = None,
+    rows: Optional[Widths] = None,
+    curves: Union[Sequence[ArrayLike], CurveNet, None] = None,
     along: str = "plan",
+    shortest: float = 100.0,
 ) -> list[Panel]:
     """Divide every region into panels.
 
-    Joints cut through faces. The mesh of the panels has the vertices of `mesh` first and new ones on its edges and in its faces, so
-    that the surface does not change. A joint that passes a vertex within 1 % of an edge length goes through it, and a grid line
-    along a row of edges follows them.
+    Joints cut through faces, and continue across the creases between regions that share a whole side. The mesh of the panels has the
+    vertices of `mesh` first and new ones on its edges and in its faces, so that the surface does not change. A joint that passes a
+    vertex within 1 % of an edge length goes through it, and a grid line along a row of edges follows them.
 
     Parameters
     ----------
@@ -92,11 +107,17 @@ def panels(
         Approximate width of the panels; every region gets a whole number of them [L].
     count
         Alternative: approximate number of panels per region.
+    columns, rows
+        Alternative: widths of the panels along the first and the second direction, one number or several, of which the last one is
+        repeated [L]. The first direction is the one nearest to x.
     curves
-        Alternative: joints as paths of vertex indices or as curves of points ``(k, 3)`` [L].
+        Alternative: joints as paths of vertex indices, as curves of points ``(k, 3)`` [L], or along the curves of a net, see
+        :func:`curve_net`.
     along
         ``"plan"``: grid along the sides of regions with four corners, else along the axes of the plan. ``"curvature"``: grid along
         lines of curvature.
+    shortest
+        Length of seams below which grid lines are moved, if possible [mm].
 
     Returns
     -------
@@ -106,7 +127,7 @@ def panels(
     Raises
     ------
     CGCError
-        If not exactly one of `size`, `count` and `curves` is given, or its value is invalid.
+        If not exactly one of `size`, `count`, `curves`, and `columns` or `rows` is given, or its value is invalid.
 
     Examples
     --------
@@ -115,8 +136,9 @@ def panels(
     >>> len(divided), divided[0].name
     (6, '0-1')
     """
-    if sum(given is not None for given in (size, count, curves)) != 1:
-        raise CGCError("give exactly one of size, count and curves to divide the regions")
+    widths = columns if columns is not None else rows
+    if sum(given is not None for given in (size, count, curves, widths)) != 1:
+        raise CGCError("give exactly one of size, count, curves, and columns or rows to divide the regions")
     if along not in ALONG:
         raise CGCError(f"along must be one of {', '.join(ALONG)}, not {along!r}")
     if size is not None and not 0.0 < checked_number(size, "the size of panels") < math.inf:
@@ -126,13 +148,15 @@ def panels(
     problem = problem_of(mesh, "or the result of a solve is built from").without_dummies()
     label = problem.regions()
     if curves is not None:
-        joints = curve_joints(problem, curves)
+        joints = curve_joints(problem, [curve.points for curve in curves.curves] if isinstance(curves, CurveNet) else curves)
+        divided = _divided(joints, label)
     else:
-        joints = grid_joints(problem, label, face_areas(problem.vertices, problem.faces), size, count, along)
+        grid = grid_lines(problem, label, Division(size, count, columns, rows, along))
+        least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
+        areas = face_areas(problem.vertices, problem.faces)
+        divided = _with_long_seams(grid, lambda own: _divided(grid_joints(problem, label, areas, own), label), least)
+    joints, part, piece = divided
     own = joints.mesh
-    part = label[own.parent]
-    piece = _grouped(own.faces, part, joints.cell, joints.edges, len(own.vertices))
-    piece = _without_crumbs(own.vertices, own.faces, part, piece, joints.share)
     cut = own if len(own.faces) > len(label) else None
     found: list[Panel] = []
     for region in range(int(label.max(initial=-1)) + 1):
@@ -142,6 +166,52 @@ def panels(
         digits = len(str(count_of))
         found += [Panel(f"{region}-{k + 1:0{digits}}", region, inside[number == k], cut) for k in range(count_of)]
     return found
+
+
+class _Divided(NamedTuple):
+    """A mesh cut along joints, with the pieces between them."""
+
+    joints: Joints
+    part: IntArray  # (m',) region of every face
+    piece: IntArray  # (m',)
+
+
+def _divided(joints: Joints, label: IntArray) -> _Divided:
+    own = joints.mesh
+    part = label[own.parent]
+    piece = _grouped(own.faces, part, joints.cell, joints.edges, len(own.vertices))
+    return _Divided(joints, part, _without_crumbs(own.vertices, own.faces, part, piece, joints.share))
+
+
+def _with_long_seams(grid: GridLines, divide: Callable[[GridLines], _Divided], least: float) -> _Divided:
+    """Return the division by a grid whose lines are moved until no seam is shorter than a length [L], if possible.
+
+    Lines move in pairs that keep the symmetry of the grid, and single lines only if that is not enough.
+    """
+    best = divide(grid)
+    shortfall = _shortfall(best, least)
+    for paired, share in itertools.product((True, False), MOVES):
+        for k, i, sign in itertools.product(range(len(grid.lines)), range(max(map(len, grid.lines))), (1.0, -1.0)):
+            if shortfall == 0.0:
+                return best
+            count = len(grid.lines[k])
+            if i >= (count // 2 if paired else count):
+                continue
+            lines = grid.lines[k].copy()
+            lines[i] += sign * share / (count + 1)
+            if paired:
+                lines[-1 - i] -= sign * share / (count + 1)
+            moved = grid._replace(lines=[*grid.lines[:k], lines, *grid.lines[k + 1 :]])
+            found = divide(moved)
+            if _shortfall(found, least) < shortfall:
+                best, shortfall, grid = found, _shortfall(found, least), moved
+    return best
+
+
+def _shortfall(divided: _Divided, least: float) -> float:
+    """Return the sum of the relative shortfalls of the seams that are shorter than a length [L]."""
+    lengths = seam_lengths(divided.joints.mesh.vertices, divided.joints.mesh.faces, divided.piece)[1]
+    return float(np.maximum(1.0 - lengths / least, 0.0).sum()) if least > 0.0 else 0.0
 
 
 def _grouped(faces: Faces, part: IntArray, cell: IntArray, blocked: Edges, n: int) -> IntArray:

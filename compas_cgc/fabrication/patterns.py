@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 from typing import Optional
@@ -191,8 +192,9 @@ def patterns_of(
     stock: Stock,
     rulings: list[Ruling],
     straightness: dict[int, Straightness],
+    names: Sequence[str] = (),
 ) -> Patterns:
-    """Return the patterns of pieces that lie on sheets."""
+    """Return the patterns of pieces that lie on sheets; pieces have the names given, or a letter for the region and a number."""
     loops = outline_loops(own)
     strains = strains_of(own, np.ones(len(own.faces), bool))
     areas = face_areas(own.space, own.faces)
@@ -204,7 +206,7 @@ def patterns_of(
     for piece, region in enumerate(own.region[first].tolist()):
         within[region] = within.get(region, 0) + 1
         area = sum(signed_area(loop.points) for loop in loops[piece])
-        label = f"{_letters(region)}{within[region]}"
+        label = names[piece] if names else f"{_letters(region)}{within[region]}"
         strip = widened([loop.points for loop in loops[piece]], stock.allowance)
         pieces.append(Piece(label, region, on_sheet[piece], loops[piece], area, float(in_space[piece]), float(largest[piece]), strip))
     seams, folds = seams_between(own), _folds(problem, own)

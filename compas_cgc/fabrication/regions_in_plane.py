@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 from typing import Optional
 
@@ -22,7 +24,10 @@ from ..model.roles import INTERNAL
 from .flattening import flatten
 from .layout import among
 from .layout import cut_open
+from .panel_regions import panel_regions
+from .panelling import Panel
 from .patchwork import CREASE
+from .patchwork import CUT
 from .patchwork import EDGE
 from .patchwork import FREE
 from .patchwork import SEAM
@@ -34,7 +39,7 @@ from .seams import opens_to_disks
 from .seams import seam_edges
 from .straight_seams import straightened
 
-__all__ = ["developed"]
+__all__ = ["developed", "developed_panels"]
 
 GAP_TOLERANCE = 1e-6  # gap relative to the size of a region up to which its faces close
 CONE_DEFECT = 1e-9  # angle defect [rad] of a vertex without target above which a seam must pass through it
@@ -51,9 +56,32 @@ class _Laid(NamedTuple):
     unrolling: Unrolling
 
 
-def developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) -> tuple[Patchwork, Edges, list[Unrolling]]:
-    """Return the chosen regions in the plane, one piece each, the cut edges, and the results of unrolling."""
-    label, targets = problem.regions(), problem.region_targets()
+def developed_panels(problem: CGCProblem, panels: Sequence[Panel], regions: list[int]) -> tuple[Patchwork, Edges, list[Unrolling]]:
+    """Return the panels of the chosen regions in the plane, one piece each, the cut edges, and the results of unrolling."""
+    own, targets = panel_regions(problem, panels), problem.region_targets()
+    within = np.array([panel.region for panel in panels], dtype=np.int64)[own.panel]
+    chosen = np.flatnonzero(np.isin(within, regions))
+    chosen = chosen[np.argsort(own.panel[chosen], kind="stable")]
+    flat, cuts, laid = developed(own.problem, chosen.tolist(), None, [targets[k] for k in within.tolist()])
+    creases = _sides_among(flat.faces, np.searchsorted(flat.names, own.problem.names.vertices[own.creases]), len(flat.space))
+    side = np.where((flat.side == CREASE) & ~creases, CUT, flat.side)
+    unrollings = []
+    for region in regions:
+        each = [one for one in laid if within[one.region] == region]
+        gap, error = max(one.gap for one in each), max(one.edge_error for one in each)
+        whole = all(one.unrolled for one in each)
+        unrollings.append(Unrolling(region, targets[region], whole, gap, error, sum(one.seam_edges for one in each)))
+    return replace(flat, side=side, region=within[flat.region], parent=own.parent[flat.parent]), problem.creases, unrollings
+
+
+def developed(
+    problem: CGCProblem, regions: list[int], given: Optional[Edges], targets: Optional[Sequence[Optional[float]]] = None
+) -> tuple[Patchwork, Edges, list[Unrolling]]:
+    """Return the chosen regions in the plane, one piece each, the cut edges, and the results of unrolling.
+
+    The targets of all regions are those of the problem by default.
+    """
+    label, targets = problem.regions(), problem.region_targets() if targets is None else targets
     space, laid = problem.vertices, []
     for region in regions:
         own = np.flatnonzero(label == region)

@@ -38,6 +38,7 @@ class Task(NamedTuple):
     run: Callable[[PosesProblem, dict[str, Any]], Any]
 
 
+DIVIDES = {"size", "count", "columns", "rows", "curves"}  # options that define joints
 _NUMBER = {"type": "number", "minimum": -values.LARGEST, "maximum": values.LARGEST}
 _LENGTH = {"type": "number", "minimum": 0, "maximum": values.LARGEST}
 _REGIONS = BuildOption(
@@ -56,17 +57,27 @@ def _mould(surface: PosesProblem, settings: dict[str, Any]) -> Any:
     from .moulding import moulds
     from .panelling import panels
 
-    how = {name: settings.pop(name) for name in ("size", "count", "curves", "along") if name in settings}
-    if not {"size", "count", "curves"} & set(how):
+    how = _joints(settings)
+    if not DIVIDES & set(how):
         how["count"] = 1
     return moulds(surface, panels(surface, how.pop("size", None), **how), **settings)
 
 
+def _joints(settings: dict[str, Any]) -> dict[str, Any]:
+    """Take the options of :func:`panels` out of settings."""
+    return {name: settings.pop(name) for name in (*DIVIDES, "along", "shortest") if name in settings}
+
+
 def _unroll(surface: PosesProblem, settings: dict[str, Any]) -> Any:
+    from .panelling import panels
     from .unrolling import unroll
 
     size = settings.pop("sheet", None)
     units = surface.to_problem().drawing.units
+    if DIVIDES & set(settings):
+        shortest = {name: settings[name] for name in ("shortest",) if name in settings}
+        how = {**_joints(settings), **shortest}
+        settings = {**settings, **shortest, "panels": panels(surface, how.pop("size", None), **how)}
     return unroll(surface, size.within(units) if isinstance(size, values.Sheet) else size, **settings)
 
 
@@ -82,6 +93,43 @@ def _net(surface: PosesProblem, settings: dict[str, Any]) -> Any:
     return curve_net(surface, **settings)
 
 
+_WIDTHS = {
+    "oneOf": [
+        {"type": "string"},
+        {**_LENGTH, "exclusiveMinimum": 0},
+        {"type": "array", "items": {**_LENGTH, "exclusiveMinimum": 0}, "minItems": 1},
+    ]
+}
+_JOINTS = (
+    BuildOption("size", "approximate width of the panels, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"),
+    BuildOption(
+        "count",
+        "approximate number of panels per region, instead of a size",
+        values.whole,
+        {"type": "integer", "minimum": 1, "maximum": 1_000_000},
+        "N",
+    ),
+    BuildOption(
+        "columns", "widths of the panels along x, such as 1.2 or 0.8,1.2; the last one is repeated", values.widths, _WIDTHS, "L,L,..."
+    ),
+    BuildOption("rows", "widths of the panels along y, like columns", values.widths, _WIDTHS, "L,L,..."),
+    BuildOption(
+        "along",
+        "grid of the panels: along the plan or the lines of curvature (default: plan)",
+        values.text,
+        {"enum": list(values.ALONG), "default": "plan"},
+        "|".join(values.ALONG),
+    ),
+    BuildOption(
+        "shortest",
+        "length in mm of seams below which joints are moved if possible, or named in the report (default: 100)",
+        values.number,
+        {**_LENGTH, "default": 100.0},
+        "MM",
+    ),
+)
+
+
 TASKS: dict[str, Task] = {
     own.name: own
     for own in (
@@ -89,23 +137,7 @@ TASKS: dict[str, Task] = {
             "mould",
             "Divide a solved surface into panels and report their moulds and fit.",
             (
-                BuildOption(
-                    "size", "approximate width of the panels, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"
-                ),
-                BuildOption(
-                    "count",
-                    "approximate number of panels per region, instead of a size",
-                    values.whole,
-                    {"type": "integer", "minimum": 1, "maximum": 1_000_000},
-                    "N",
-                ),
-                BuildOption(
-                    "along",
-                    "grid of the panels: along the plan or the lines of curvature (default: plan)",
-                    values.text,
-                    {"enum": list(values.ALONG), "default": "plan"},
-                    "|".join(values.ALONG),
-                ),
+                *_JOINTS,
                 BuildOption(
                     "material",
                     "material of the panels (default: glass)",
@@ -181,13 +213,7 @@ TASKS: dict[str, Task] = {
                     {**_LENGTH, "default": 0.0},
                     "D",
                 ),
-                BuildOption(
-                    "shortest",
-                    "length in mm of seams below which joints are moved if possible, or named in the report (default: 100)",
-                    values.number,
-                    {**_LENGTH, "default": 100.0},
-                    "MM",
-                ),
+                *_JOINTS,
                 BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.number, _LENGTH, "D"),
                 BuildOption(
                     "whole",

@@ -25,6 +25,7 @@ from .layout import among
 from .layout import cut_open
 from .option_values import truth
 from .outlines import seams_between
+from .panelling import Panel
 from .patchwork import CREASE
 from .patchwork import SIDES
 from .patchwork import Patchwork
@@ -38,6 +39,7 @@ from .pieces import cut_to_fit
 from .placing import extent
 from .placing import on_sheets
 from .regions_in_plane import developed
+from .regions_in_plane import developed_panels
 from .rulings import rulings_of
 from .solved import chosen_regions
 from .solved import solved_problem
@@ -55,6 +57,7 @@ def unroll(
     surface: PosesProblem,
     sheet: Optional[tuple[float, float]] = None,
     *,
+    panels: Optional[Sequence[Panel]] = None,
     strain: Optional[float] = None,
     seams: Optional[Iterable[Sequence[int]]] = None,
     regions: Optional[Sequence[int]] = None,
@@ -77,6 +80,8 @@ def unroll(
         Solved result, mesh or problem; its creases divide it into regions.
     sheet
         Length and width of the sheets [L]. Default: unlimited, so that only seams are cut.
+    panels
+        Result of :func:`compas_cgc.fabrication.panels`: the pieces. Default: pieces that fit on the sheets.
     strain
         Largest strain of flattened pieces. Default: limited by the sheet only.
     seams
@@ -97,7 +102,7 @@ def unroll(
         Length of seams, without creases, below which joints are moved if possible, and named in the report otherwise [mm].
     whole
         Whether to keep the parts between creases and seams whole, so that parts larger than a sheet are refused instead of cut.
-        Default: True if seams are given.
+        Default: True if panels or seams are given.
     rough
         Whether to accept a surface with the verdict rough, see :class:`compas_cgc.analysis.Verdict`.
 
@@ -118,7 +123,9 @@ def unroll(
     >>> len(patterns.pieces), patterns.sheets
     (18, 14)
     """
-    kept = seams is not None if whole is None else truth(whole, "whole")
+    kept = (seams is not None or panels is not None) if whole is None else truth(whole, "whole")
+    if seams is not None and panels is not None:
+        raise CGCError("give panels or seams, not both; the joints of panels are the seams")
     problem = unrollable(solved_problem(surface, rough))
     stock = stock_of(sheet, spacing, margin, allowance)
     _check_scale(problem, stock)
@@ -130,7 +137,8 @@ def unroll(
     if strain is not None and not checked_number(strain, "strain") > 0:
         raise CGCError(f"the largest strain must be positive, such as 0.002, not {strain:g}")
     given = None if seams is None else _given_seams(problem, seams)
-    flat, cuts, unrollings = developed(problem, chosen_regions(problem, regions), given)
+    chosen = chosen_regions(problem, regions)
+    flat, cuts, unrollings = developed(problem, chosen, given) if panels is None else developed_panels(problem, panels, chosen)
     curved = {own.region for own in unrollings if not own.unrolled}
 
     def flattened(own: Patchwork, piece: int) -> Patchwork:
@@ -163,7 +171,9 @@ def unroll(
     placed, on_sheet, stock = min(layouts, key=lambda own: (_short_seams(own[0], least), max(own[1]), int(own[0].piece.max())))
     ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
     lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if stock.sheet is None else 0.25 * stock.sheet[1])
-    return patterns_of(problem, placed, on_sheet, unrollings, stock, lines, straightness)
+    names = [panel.name for panel in panels or () if panel.region in chosen]
+    # Panels that were cut again need other names.
+    return patterns_of(problem, placed, on_sheet, unrollings, stock, lines, straightness, names if len(names) == len(on_sheet) else ())
 
 
 def _short_seams(own: Patchwork, least: float) -> int:

@@ -244,7 +244,7 @@ def test_a_curve_across_faces_is_cut_along():
 def test_how_to_divide_is_said_once():
     problem = nine_regions(6)
     for given in ({}, {"size": 1.0, "count": 4}):
-        with pytest.raises(ValueError, match="exactly one of size, count and curves"):
+        with pytest.raises(ValueError, match="exactly one of size, count, curves, and columns or rows"):
             panels(problem, **given)
     with pytest.raises(ValueError, match="along must be one of plan, curvature"):
         panels(problem, 1.0, along="laths")
@@ -374,7 +374,7 @@ def test_what_has_no_mould_is_refused_in_a_sentence(roof):
     for faces in ([], [10**6], [0.5]):
         with pytest.raises(ValueError, match="the faces of panel odd must be indices from 0 to 1151"):
             moulds(roof, [Panel("odd", 0, np.array(faces))])
-    with pytest.raises(ValueError, match="a region of 128 triangles cannot be divided into 1000000 panels"):
+    with pytest.raises(ValueError, match="a region of 128 triangles cannot be divided into [0-9]+ or more panels"):
         panels(roof, count=1_000_000)
 
 

@@ -99,7 +99,7 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
         ("Example", {"number": 9}, "number must be from 2 to 7, not 9"),
         ("Example", {"number": 4, "variant": "z"}, "has no variant 'z'"),
         ("Analyse", {"cgc_mesh": "NINE", "show": "k"}, "show must be one of K, H"),
-        ("Mould", {"cgc_mesh": "NINE", "size": 1.0, "count": 4}, "exactly one of size, count and curves"),
+        ("Mould", {"cgc_mesh": "NINE", "size": 1.0, "count": 4}, "exactly one of size, count, curves, and columns or rows"),
         ("Mould", {"cgc_mesh": "NINE", "material": "cheese"}, "there is no material 'cheese'; use one of glass"),
         ("Read3dm", {"path": "nowhere.3dm"}, "nowhere.3dm"),
         ("Write3dm", {"path": "a.xyz", "cgc_mesh": "NINE", "write": True}, ".xyz"),

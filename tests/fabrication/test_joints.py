@@ -1,0 +1,117 @@
+"""Joints: one design for moulds and patterns, aligned across creases, symmetric, with given widths and long seams."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import compas_cgc
+from compas_cgc import CGCError
+from compas_cgc import CGCProblem
+from compas_cgc.discrete import edge_faces
+from compas_cgc.discrete import face_areas
+from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
+from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication.panel_seams import panel_seams
+
+from ..support.constant_curvature import revolved_patch
+from ..support.roofs import nine_regions
+from ..support.shapes import grid
+
+
+@pytest.fixture(scope="module")
+def roof():
+    return compas_cgc.solve(nine_regions(12), method="projection", settings={"measure": "exact"}).problem
+
+
+def middles(problem, found):
+    """Return the area and the centroid of every panel (p, 4)."""
+    cut = found[0].cut
+    V, F = (problem.vertices, problem.faces) if cut is None else (cut.vertices, cut.faces)
+    areas, rows = face_areas(V, F), []
+    for panel in found:
+        own = areas[panel.faces]
+        rows.append([own.sum(), *(own @ V[F[panel.faces]].mean(axis=1) / own.sum())])
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("size", [1.1, 1.7, 2.3])
+def test_a_fourfold_roof_has_a_fourfold_pattern(size):
+    # The diagonals of the squares make the solved surface slightly unsymmetric; the drawing is exactly fourfold.
+    flat = nine_regions(12)
+    found = middles(flat, panels(flat, size))
+    middle = 0.5 * (flat.vertices.min(axis=0) + flat.vertices.max(axis=0))[:2]
+    for turn in ([[0, -1], [1, 0]], [[-1, 0], [0, 1]]):
+        moved = np.column_stack([found[:, 0], (found[:, 1:3] - middle) @ np.array(turn).T + middle, found[:, 3]])
+        assert np.linalg.norm(moved[:, None] - found, axis=2).min(axis=1).max() < 1e-9
+
+
+@pytest.mark.parametrize("size", [1.1, 1.7, 2.3])
+def test_joints_continue_across_creases(roof, size):
+    found = panels(roof, size)
+    seams = panel_seams(roof, found)
+    region = {panel.name: panel.region for panel in found}
+    meeting = {}
+    for seam in seams:
+        if region[seam.panels[0]] != region[seam.panels[1]]:
+            for one, other in (seam.panels, seam.panels[::-1]):
+                meeting.setdefault((one, region[other]), []).append(other)
+    # Each panel meets one panel of every region beside it.
+    assert len(meeting) > 8 and max(map(len, meeting.values())) == 1
+    assert min(seam.length for seam in seams) > 0.5
+
+
+def test_widths_of_columns_and_rows_are_given():
+    flat = CGCProblem(*grid(30, 15.0)).with_targets(0.0)
+    found = panels(flat, columns=[3.0, 1.0, 2.5], rows=4.0)
+    # All these lines are rows of the mesh.
+    x, y = (np.unique(np.round([flat.vertices[flat.faces[own.faces]][:, :, k].min() for own in found], 9)) for k in (0, 1))
+    # 15 m: the last width is repeated.
+    assert x.tolist() == [0.0, 3.0, 4.0, 6.5, 9.0, 11.5, 14.0] and y.tolist() == [0.0, 4.0, 8.0, 12.0]
+    with pytest.raises(CGCError, match="widths of columns and rows must be positive"):
+        panels(flat, columns=[1.0, 0.0])
+
+
+def test_short_seams_are_avoided_or_named():
+    problem = compas_cgc.solve(compas_cgc.read(compas_cgc.get("curved_crease.3dm")).to_problem().with_targets(0.005)).problem
+    free, kept = (panels(problem, 1.4, shortest=shortest) for shortest in (0.0, 100.0))
+    assert min(seam.length for seam in panel_seams(problem, free)) < 0.1
+    assert min(seam.length for seam in panel_seams(problem, kept)) >= 0.1
+    assert "seams shorter than 100 mm" not in str(moulds(problem, kept))
+    named = [seam for seam in panel_seams(problem, free) if seam.length < 0.1]
+    assert all("/".join(seam.panels) in str(moulds(problem, free)) for seam in named)
+
+
+def test_panels_are_the_pieces_of_patterns(roof):
+    found = panels(roof, 1.7)
+    patterns = unroll(roof, (6.0, 3.0), panels=found)
+    assert [(piece.label, piece.region) for piece in patterns.pieces] == [(panel.name, panel.region) for panel in found]
+    assert np.array([piece.area_in_space for piece in patterns.pieces]) == pytest.approx(middles(roof, found)[:, 0], rel=1e-9)
+    kinds = {seam.kind for seam in patterns.seams}
+    assert kinds == {"cut", "crease"}
+    cuts = sum(seam.length for seam in patterns.seams if seam.kind == "crease")
+    edges = edge_faces(roof.faces)
+    label = roof.regions()
+    inner = edges[edges[:, 3] >= 0]
+    across = inner[label[inner[:, 2]] != label[inner[:, 3]], :2]
+    assert cuts == pytest.approx(np.linalg.norm(roof.vertices[across[:, 0]] - roof.vertices[across[:, 1]], axis=1).sum())
+    with pytest.raises(CGCError, match="more than a sheet of 1500 x 1000 mm"):
+        unroll(roof, (1.5, 1.0), panels=found)
+    with pytest.raises(CGCError, match="do not cover the surface"):
+        unroll(roof, (6.0, 3.0), panels=found[:-1])
+
+
+def test_panels_of_a_vault_unroll_without_strain():
+    vault = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
+    patterns = unroll(vault, (3.0, 1.5), panels=panels(vault, 1.2))
+    assert abs(patterns.area / patterns.area_in_space - 1.0) < 1e-12 and patterns.largest_strain < 1e-9
+
+
+def test_panels_lie_between_the_curves_of_a_net():
+    problem = CGCProblem(*revolved_patch(24, -0.02)).with_supports("boundary").with_targets(-0.02)
+    net = curve_net(problem, 1.5)
+    found = panels(problem, curves=net)
+    assert len(found) > 10
+    assert np.median(middles(problem, found)[:, 0]) < 1.5**2
