@@ -9,10 +9,9 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.corners import corner_angles
-from ..discrete.topology import boundary_mask
 from .edge_flips import diagonals
 
-__all__ = ["flat_corners", "has_corners", "turned_corners"]
+__all__ = ["flat_corners", "turned_corners"]
 
 MAX_CORNER = np.radians(150.0)  # larger corners lose almost nothing to a flat face
 MAX_SIDE_ANGLE = np.radians(75.0)  # larger angles may make the flip impossible
@@ -65,23 +64,6 @@ def turned_corners(vertices: FloatArray, faces: IntArray, held: Mask, creases: E
             turned |= {one, other}
             found[one], found[other] = (a, d, c), (d, b, c)
     return found if turned else faces
-
-
-def has_corners(vertices: FloatArray, faces: IntArray, held: Mask) -> bool:
-    """Check whether a supported boundary has a corner of less than MAX_CORNER.
-
-    Parameters
-    ----------
-    vertices
-        ``(n, 3)`` [L].
-    faces
-        ``(m, 3)``.
-    held
-        ``(n,)`` mask of fixed vertices.
-    """
-    n = len(held)
-    within = np.bincount(faces.ravel(), corner_angles(vertices, faces).ravel(), n)
-    return bool((held & boundary_mask(n, faces) & (within < MAX_CORNER)).any())
 
 
 def _turns(corners: FloatArray) -> bool:

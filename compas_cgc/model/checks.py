@@ -12,7 +12,6 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 from ..discrete.corners import corner_angles
-from ..discrete.smooth_measure import is_regular
 from ..errors import ProblemError
 from ..errors import names_what_was_meant
 from ..meshing import Diagnostic
@@ -28,8 +27,6 @@ from .bulging import two_sided_supports
 from .goals.binding import unknown_regions
 from .goals.contradictions import goal_problems
 from .law_problems import law_problems
-from .measures import is_smooth_alone
-from .measures import read_across
 from .problem import CGCProblem
 from .problem import PosesProblem
 from .problem import problem_of
@@ -44,7 +41,6 @@ __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "thr
 GENTLE_TOTAL_CURVATURE = 0.5  # total curvature of a region for the suggested target [rad]
 COLLINEAR_TOLERANCE = 1e-6  # width of a row of supports, relative to the drawing, that still counts as a straight line
 NEEDLE_ANGLE = 10.0  # degrees; where K̄ < 0 a triangle with a smaller angle is reported
-FINE_MESH_VERTICES = 300  # vertices with a target; on coarser meshes the discretisation error is larger than the effect
 
 
 @names_what_was_meant()
@@ -85,7 +81,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     problems += law_problems(problem) if sound else []
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
-        problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real) + _corner_problems(real)
+        problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real)
         problems += [Diagnostic(said, fatal=False) for said in (*two_sided_supports(real), *twisted_edges(real))]
     return problems
 
@@ -225,25 +221,6 @@ def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
             fatal=False,
         )
     ]
-
-
-def _corner_problems(problem: CGCProblem) -> list[Diagnostic]:
-    """Return a warning about flat corner faces, which bias K by angle defects; `auto` reads K so on most regular meshes."""
-    if int((problem.asked & (problem.targets > 0.0)).sum()) < FINE_MESH_VERTICES or not is_regular(problem.faces, problem.asked):
-        return []
-    held = problem.roles == FIXED
-    if held[boundary_vertices(problem.vertices, problem.faces)].all() and is_smooth_alone(problem):
-        return []
-    flat = np.flatnonzero((read_across(problem) != problem.faces).any(axis=1) & held[problem.faces].all(axis=1))
-    if not len(flat):
-        return []
-    faces = (
-        "1 face lies flat in a corner because all its three vertices are supports"
-        if len(flat) == 1
-        else (f"{len(flat)} faces lie flat in corners because all their three vertices are supports")
-    )
-    text = "which makes a dome some percent too low; the setting measure='smooth' (--measure smooth) corrects this"
-    return [Diagnostic(f"{faces} (faces {listed(problem.names.faces[flat])}), {text}", fatal=False)]
 
 
 def three_faced(faces: Faces, vertices: Indices) -> Indices:

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete import boundary_vertices
 from ..discrete import gaussian_curvature
 from ..discrete import vertex_areas
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
 from ..discrete.measured_curvature import measured_curvature as mid_edge_curvature
-from ..discrete.smooth_measure import is_regular
 from ..discrete.smooth_measure import layout_errors
 from ..discrete.space_form import EXACT
 from ..discrete.space_form import space_form_angle_sums
-from ..meshing.flat_corners import has_corners
 from ..meshing.flat_corners import turned_corners
 from .problem import CGCProblem
+from .roles import CREASE
 from .roles import FIXED
 
-__all__ = ["MID_EDGE", "is_smooth_alone", "measured_curvature", "read_across"]
+__all__ = ["MID_EDGE", "is_held_all_round", "measured_curvature", "read_across"]
 
 MID_EDGE = "mid-edge"
-CORNER_RANGE = 1500, 4000  # number of vertices of regular meshes with this correction: smaller ones stay fast, larger ones hardly change
 
 
 def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVertex:
@@ -61,16 +60,13 @@ def read_across(problem: CGCProblem) -> IntArray:
     return turned_corners(problem.vertices, problem.faces, problem.roles == FIXED, problem.creases)
 
 
-def is_smooth_alone(problem: CGCProblem) -> bool:
-    """Check whether angle defects misread K at the corners of a supported boundary, so that a dome becomes too low.
+def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
+    """Return whether the whole rim is fixed, K̄ > 0 everywhere, and there are creases or, by default, none.
 
-    They do on an irregular mesh with a flat face in a corner, and on a regular mesh with K > 0, because one principal curvature is
-    unbounded towards a straight supported edge.
+    Towards a straight fixed edge one principal curvature is unbounded there. Bending energy is infinite and angle defects are of first
+    order in the length of edges, whereas the smooth measure is of order 1.5.
     """
-    if problem.goals or not problem.asked.any() or not problem.real_faces.all():
-        return False
-    if not is_regular(problem.faces, problem.asked):
-        return read_across(problem) is not problem.faces
-    (few, many), held = CORNER_RANGE, problem.roles == FIXED
-    convex = bool((problem.targets[problem.asked] > 0.0).all())
-    return convex and few <= len(held) <= many and has_corners(problem.vertices, problem.faces, held)
+    rim = boundary_vertices(problem.vertices, problem.faces)
+    held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
+    targets = problem.targets[problem.asked]
+    return held and bool((problem.roles == CREASE).any()) is folded and bool(len(targets) and (targets > 0).all())

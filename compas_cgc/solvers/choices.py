@@ -12,13 +12,13 @@ import numpy as np
 
 from ..discrete import boundary_vertices
 from ..model.goals.binding import held_by_newton
+from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import FIXED
 from .polish.polisher import keeps_shape
 from .registry import METHODS
 from .registry import method_of
-from .rising import is_held_all_round
 from .settings import Settings
 
 __all__ = ["Choice", "choose"]
@@ -41,7 +41,7 @@ HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to 
 GOALS = Choice("projection", "it alone meets goals")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0")
-FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", from_dome=True)
+FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", MappingProxyType({"measure": "smooth"}), from_dome=True)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K")
 
 

@@ -11,21 +11,19 @@ from typing import Optional
 
 import numpy as np
 
-from ..discrete import boundary_vertices
 from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..linalg.work import Work
 from ..linalg.work import is_spent
+from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.result import Solution
-from ..model.roles import CREASE
-from ..model.roles import FIXED
 from ..model.verdict import Verdict
 from ..model.verdict import verdict
 from .newton.settings import NewtonSettings
 from .projection.settings import ProjectionSettings
 
-__all__ = ["GROWTH", "Bracket", "Carried", "Rising", "is_held_all_round"]
+__all__ = ["GROWTH", "Bracket", "Carried", "Rising"]
 
 LOW = 0.5  # total curvature [rad] to begin with, where targets are of either sign of the largest region
 LEAST = 1 / 64  # of that, below which there is none
@@ -140,14 +138,6 @@ class Rising:
             carried, beyond = (found, beyond) if found is not None else (carried, factor)
             growth = min(GROWTH, growth**2)
         return Bracket(carried, beyond)
-
-
-def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
-    """Return whether the whole rim is fixed, all targets are positive, and there are creases or, as it should be, none."""
-    rim = boundary_vertices(problem.vertices, problem.faces)
-    held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
-    targets = problem.targets[problem.asked]
-    return held and bool((problem.roles == CREASE).any()) is folded and bool(len(targets) and (targets > 0).all())
 
 
 def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solution]:

@@ -13,6 +13,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.space_form import EXACT
+from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
@@ -32,7 +33,6 @@ from .registry import METHODS
 from .registry import method_of
 from .registry import settings_for
 from .registry import settings_of
-from .rising import is_held_all_round
 from .settings import Settings
 
 __all__ = ["run_auto", "run_method"]
@@ -57,7 +57,7 @@ def _own_settings(method: Method, settings: Optional[Settings], options: Mapping
     """Return the settings of a method, with some options other than the defaults where the settings leave them open."""
     own = settings_of(method, settings)
     given = settings.to_dict() if settings is not None and method_of(settings) == "auto" else {}
-    options = {name: value for name, value in options.items() if given.get(name) is None}
+    options = {name: value for name, value in options.items() if given.get(name) in (None, "auto")}
     return replace(own, **options) if options else own
 
 
