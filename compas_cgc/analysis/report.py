@@ -24,6 +24,7 @@ from ..discrete.corners import corner_angles
 from ..errors import names_what_was_meant
 from ..meshing import vertex_labels
 from ..model.law_errors import law_errors
+from ..model.measures import measure_of
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
@@ -221,8 +222,8 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, 
     Parameters
     ----------
     surface
-        A result, mesh or problem with targets; dummies are ignored. Results use the measure of their solve, others angle
-        defects.
+        A result, mesh or problem with targets; dummies are ignored. K of a solved surface is read in the measure of
+        its solve, that of others by mid-edge normals, or in the smooth measure where the whole rim is fixed and K̄ > 0.
     reference
         The input of the solve, for displacements.
     others
@@ -246,7 +247,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, 
     (True, 1, True)
     """
     problem = problem_of(surface, "or the result of a solve is analysed").without_dummies()
-    measure = getattr(surface, "measure", "defect")
+    measure = measure_of(problem)
     V, F = problem.vertices, problem.faces
     before = None if reference is None else problem_of(reference, "is a reference").without_dummies().vertices
     if before is not None and before.shape != V.shape:

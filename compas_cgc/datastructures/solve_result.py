@@ -138,7 +138,7 @@ class SolveResult:
             problem, drawn = replace(problem, faces=solution.faces), None
         before = problem.without_dummies()
         surface = solution.vertices[problem.roles != DUMMY]
-        real = replace(before, vertices=surface, origin=Origin(replace(before, origin=None), surface))
+        real = replace(before, vertices=surface, origin=Origin(replace(before, origin=None), surface, solution.measure))
         made = cls(
             real,
             *solution[1:8],

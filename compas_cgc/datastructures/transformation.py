@@ -10,7 +10,6 @@ from compas.datastructures import Mesh
 
 from ..model.goals.moved import moved_goals
 from ..model.motion import similarity_of
-from ..model.problem import Origin
 
 if TYPE_CHECKING:
     from .cgcmesh import CGCMesh
@@ -37,7 +36,7 @@ def transform(mesh: CGCMesh, T: Any) -> None:
     goals = moved_goals(mesh.goals(), motion)
     origin = mesh.origin
     if origin is not None:
-        origin = Origin(origin.drawn.transformed(T), motion.points(origin.vertices))
+        origin = origin._replace(drawn=origin.drawn.transformed(T), vertices=motion.points(origin.vertices))
     points = np.array([[own[axis] for axis in "xyz"] for own in mesh.vertex.values()]).reshape(-1, 3)
     default = mesh.default_vertex_attributes.get("target")
     if default is not None:

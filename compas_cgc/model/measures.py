@@ -9,6 +9,7 @@ from ..discrete import gaussian_curvature
 from ..discrete import vertex_areas
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
+from ..discrete.measured_curvature import MeasuredCurvature
 from ..discrete.measured_curvature import measured_curvature as mid_edge_curvature
 from ..discrete.smooth_measure import layout_errors
 from ..discrete.space_form import EXACT
@@ -18,12 +19,20 @@ from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 
-__all__ = ["MID_EDGE", "is_held_all_round", "measured_curvature", "read_across"]
+__all__ = ["MID_EDGE", "is_held_all_round", "measure_of", "measured_curvature", "measured_mean_curvature", "read_across"]
 
 MID_EDGE = "mid-edge"
 
 
-def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVertex:
+def measure_of(problem: CGCProblem) -> str:
+    """Return the measure in which K is read off a surface: that of its solve, else by what is known to be accurate on it."""
+    origin = problem.origin
+    if origin is not None and origin.measure and len(origin.vertices) == len(problem.vertices):
+        return origin.measure
+    return "smooth" if any(is_held_all_round(problem, folded) for folded in (False, True)) else MID_EDGE
+
+
+def measured_curvature(problem: CGCProblem, measure: str = "") -> PerVertex:
     """Return the Gaussian curvature at each vertex, NaN where none is prescribed (n,) [1/L^2].
 
     Parameters
@@ -34,12 +43,12 @@ def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVerte
         ``defect``: angle defect over area (Eq. 10). ``smooth``: the same on the triangles of :func:`read_across`, less the
         error due to the layout of the mesh. ``exact``, ``exact-arc``: the target, plus the angle defect of triangles in the
         space form of the target over the area. ``mid-edge``: shape operators by mid-edge normals, of second order on any triangles.
+        Default: that of :func:`measure_of`.
     """
-    asked = problem.asked
+    asked, measure = problem.asked, measure or measure_of(problem)
     if measure == MID_EDGE:
-        V, real = problem.vertices, problem.real_faces
-        found = mid_edge_curvature(V, problem.faces[real], problem.creases, problem.regions()[real])
-        return np.where(asked, found.at_vertices(found.gaussian, len(V)), np.nan)
+        found = _by_mid_edges(problem)
+        return np.where(asked, found.at_vertices(found.gaussian, len(asked)), np.nan)
     if measure in EXACT:
         targets = np.where(asked, problem.targets, 0.0)
         left = 2.0 * np.pi - space_form_angle_sums(problem.vertices, problem.faces, targets, measure == "exact-arc")
@@ -49,6 +58,20 @@ def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVerte
     if measure == "smooth":
         K = K - layout_errors(problem.vertices, faces, asked)
     return np.where(asked, K, np.nan)
+
+
+def measured_mean_curvature(problem: CGCProblem) -> PerVertex:
+    """Return the mean curvature by mid-edge normals at each vertex, NaN where no K is prescribed (n,) [1/L].
+
+    It is positive where the surface is convex to the side of its normals.
+    """
+    found = _by_mid_edges(problem)
+    return np.where(problem.asked, found.at_vertices(found.mean, len(problem.vertices)), np.nan)
+
+
+def _by_mid_edges(problem: CGCProblem) -> MeasuredCurvature:
+    real = problem.real_faces
+    return mid_edge_curvature(problem.vertices, problem.faces[real], problem.creases, problem.regions()[real])
 
 
 def read_across(problem: CGCProblem) -> IntArray:

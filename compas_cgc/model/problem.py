@@ -81,6 +81,7 @@ class Origin(NamedTuple):
 
     drawn: CGCProblem  # the problem as drawn, with its targets
     vertices: FloatArray  # (n, 3) vertices of the solution [L]
+    measure: str = ""  # in which it has its K, empty if unknown
 
 
 class PosesProblem(Protocol):
@@ -384,7 +385,11 @@ class CGCProblem:
 
         tolerance = None if self.drawing.tolerance is None else motion.measure(self.drawing.tolerance)
         places = tuple((name, motion.plan(line).tolist()) for name, line in self.drawing.places) if motion.up else ()
-        origin = None if self.origin is None else Origin(self.origin.drawn._moved(motion), motion.points(self.origin.vertices))
+        origin = (
+            None
+            if self.origin is None
+            else self.origin._replace(drawn=self.origin.drawn._moved(motion), vertices=motion.points(self.origin.vertices))
+        )
         return replace(
             self,
             vertices=motion.points(self.vertices),

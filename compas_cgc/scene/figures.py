@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..discrete import gaussian_curvature
-from ..discrete import mean_curvature
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..io.rhino.colours import largest
 from ..io.rhino.colours import signed_colours
+from ..model.measures import measured_curvature
+from ..model.measures import measured_mean_curvature
 from ..model.problem import PosesProblem
 
 __all__ = ["FIGURES", "Coloured", "coloured", "figures"]
@@ -45,8 +45,7 @@ def coloured(mesh: PosesProblem, show: str = "K") -> Coloured:
 def figures(surface: PosesProblem) -> dict[str, FloatArray]:
     """Return K [1/L^2], H, the principal curvatures [1/L] and K - K̄ [1/L^2] at each vertex (n,), NaN where K is not prescribed."""
     problem = surface.to_problem().without_dummies()
-    K = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces), np.nan)
-    H = np.where(problem.asked, mean_curvature(problem.vertices, problem.faces), np.nan)
-    # Rounding can make H² smaller than K if the two principal curvatures are equal.
+    K, H = measured_curvature(problem), measured_mean_curvature(problem)
+    # Where the two principal curvatures are equal, rounding, or a second measure of K, can make H² smaller than K.
     half = np.sqrt(np.maximum(H * H - K, 0.0))
     return dict(zip(FIGURES, (K, H, H + half, H - half, K - problem.targets)))

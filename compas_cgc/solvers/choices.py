@@ -40,8 +40,10 @@ DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
 GOALS = Choice("projection", "it alone meets goals")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
-RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0")
-FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", MappingProxyType({"measure": "smooth"}), from_dome=True)
+SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 1.5 beside straight fixed edges, others of order 1
+RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
+PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
+FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", SMOOTH, from_dome=True)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K")
 
 
@@ -72,7 +74,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]
     if is_held_all_round(problem):
-        return [RIM, BENDING, DRAWN_IN]
+        return [RIM, PLAIN_RIM, BENDING, DRAWN_IN]
     if is_held_all_round(problem, folded=True):
         return [FOLDED_RIM, BENDING]
     if (problem.roles[boundary_vertices(problem.vertices, problem.faces)] == FIXED).all() and not len(problem.creases):

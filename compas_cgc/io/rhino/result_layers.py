@@ -14,9 +14,9 @@ import numpy as np
 from ..._version import __version__
 from ...analysis import SurfaceReport
 from ...analysis import analyse
-from ...discrete import gaussian_curvature
 from ...discrete.arrays import FloatArray
 from ...errors import names_what_was_meant
+from ...model.measures import measured_curvature
 from ...model.problem import CGCProblem
 from .archive import read_archive
 from .archive import write_archive
@@ -162,7 +162,7 @@ def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: Mesh, report:
 
 def _draw_maps(writer: LayerWriter, problem: CGCProblem, whole: Mesh) -> None:
     """Draw the mesh coloured by curvature and by error, each with a legend."""
-    K = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces), np.nan)
+    K = measured_curvature(problem)
     low, high, size = _extent(problem.vertices)
     for name, values, what in (("Curvature", K, "K"), ("Error", K - problem.targets, "K - target")):
         limit = largest(values)

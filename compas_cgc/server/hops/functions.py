@@ -9,12 +9,12 @@ import numpy as np
 
 from ...analysis import analyse
 from ...datastructures import SolveResult
-from ...discrete import gaussian_curvature
-from ...discrete import mean_curvature
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...meshing import vertex_labels
 from ...model.checks import check
+from ...model.measures import measured_curvature
+from ...model.measures import measured_mean_curvature
 from ...model.problem import CGCProblem
 from ...solvers.flow import FlowSettings
 from ...solvers.registry import method_of
@@ -92,7 +92,7 @@ def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Rep
     problem, *_, notes = dome_request(inputs, context, limits, target)
     read = time.perf_counter()
     vertices, faces, asked = problem.vertices, problem.faces, problem.asked
-    K, H = (np.where(asked, values, 0.0) for values in (gaussian_curvature(vertices, faces), mean_curvature(vertices, faces)))
+    K, H = (np.where(asked, values, 0.0) for values in (measured_curvature(problem), measured_mean_curvature(problem)))
     report = str(analyse(problem))
     measured = time.perf_counter()
     columns, found = zip(*(finite_items(values) for values in (K, H)))

@@ -18,7 +18,6 @@ from ...model.goals.binding import bind
 from ...model.goals.binding import held_by_newton
 from ...model.goals.contradictions import refuse_impossible
 from ...model.goals.guess import guessed
-from ...model.measures import is_held_all_round
 from ...model.measures import read_across
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
@@ -82,11 +81,6 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     'converged'
     """
     settings = settings or NewtonSettings()
-    if settings.measure == "auto" and not problem.goals and is_held_all_round(problem):
-        solution = newton(problem, settings=replace(settings, measure="smooth"), callback=callback)
-        if solution.status in ("converged", "cancelled"):
-            return solution
-        settings = replace(settings, measure="defect")
     posed, problem = problem, guessed(problem)
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
