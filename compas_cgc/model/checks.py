@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..discrete import boundary_vertices
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import Faces
