@@ -8,18 +8,16 @@ from typing import Optional
 
 import numpy as np
 
-from ..discrete import angle_defects
-from ..discrete import boundary_vertices
 from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
-from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.corners import corner_angles
 from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
+from ..discrete.measured_curvature import measured_curvature as measured_curvature_of
 from ..errors import names_what_was_meant
 from ..meshing.regions import vertex_labels
 from .branch_points import DEEP
@@ -28,11 +26,14 @@ from .branch_points import depth
 from .faults import fault
 from .goals.inequalities import Bound
 from .law_errors import law_errors
+from .measures import read_across
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import DUMMY
 from .roles import FIXED
 from .roles import INTERNAL
+from .visible import dip
+from .visible import points
 
 __all__ = ["Verdict", "verdict"]
 
@@ -48,7 +49,6 @@ MAX_OTHER_SIDE = 0.05  # largest share of the vertices with K > 0 that may bulge
 FOLD_RATIO = 1.6  # a fold is too sharp above this multiple of the largest fold of a smooth surface through the vertices
 INVISIBLE_FOLD = np.radians(3.0)  # smaller folds are invisible
 VISIBLE_KINK = np.radians(8.0)  # excess of a single fold over FOLD_RATIO times that of a smooth surface that is visible
-VISIBLE_TIP = np.radians(9.0)  # turn across a single support where K > 0, in excess of that due to K, that is visible
 MAX_SHARP_SHARE = 0.02  # largest share of edges that may fold too sharply
 NEEDLE_ANGLE = 3.0  # degrees; a smaller angle of a triangle that had at least twice this angle before counts as a needle
 MIN_AREA_KEPT = 0.6  # smallest share of the input area that has to remain
@@ -129,7 +129,8 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
 
     On a fair surface, polynomials fitted to two rings of neighbours (or of higher degree to three) have the target curvature
     within the accuracy of the mesh, and the vertices lie on them. A region with K > 0 bulges to one side. Edges fold no more than
-    curvature and edge length explain, and bending does not jump within a region. Triangles are not stretched to needles, and
+    curvature and edge length explain, and bending does not jump within a region. No vertex, supports included, is a visible tip, and no
+    dome dips between its supports. Triangles are not stretched to needles, and
     the area does not collapse. Fits near supports are not compared, because the exact surface may be singular there (K > 0 at
     a straight edge).
 
@@ -225,15 +226,26 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
             f"it has a branch point at vertex {at}, where K is 0 whatever the target and more valleys meet than its supports require "
             "(draw the surface as a saddle, or set a smaller K)"
         )
-    tips, pointed = _tips(problem)
-    if (pointed > VISIBLE_TIP).any():
-        at = problem.names.vertices[tips[int(np.argmax(pointed))]]
-        reasons.append(f"it has a sharp tip of {np.degrees(pointed.max()):.0f} degrees at the support at vertex {at}")
+    measured = measured_curvature_of(V, read_across(problem), _creases(problem), problem.regions())
+    pointed = points(problem, measured)
+    if len(pointed.vertices):
+        worst = int(np.argmax(pointed.turns))
+        at, turn = pointed.vertices[worst], np.degrees(pointed.turns[worst])
+        support = "the support at " if problem.roles[at] == FIXED else ""
+        reasons.append(
+            f"it has a sharp tip of {turn:.0f} degrees at {support}vertex {problem.names.vertices[at]}, where K is "
+            f"{pointed.found[worst]:.3g} (set a smaller |K|, or change the supports or creases there)"
+        )
+    lowest, deep = dip(problem, measured)
+    if lowest >= 0:
+        at = problem.names.vertices[lowest]
+        reasons.append(f"it dips by {deep:.3g} below the supports around vertex {at} (support it there, or end creases at supports)")
     bad = (error - own > MAX_ERROR_90) | (wave > MAX_WAVINESS_95) | other
     bad[edges[sharp]] = True
     bad[torn.vertices] = True
     bad[branches] = True
-    bad[tips[pointed > VISIBLE_TIP]] = True
+    bad[pointed.vertices] = True
+    bad[[lowest] if lowest >= 0 else []] = True
     places = np.flatnonzero(bad).tolist() if reasons else []
     return Verdict(not reasons, reasons, median, most, waviest, both, sharpest, too_sharp, angle, kept, places)
 
@@ -349,39 +361,25 @@ def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntAr
     return edges[known, :2], fold[known], (np.fmax(principal[u], principal[v]) * turned)[known]
 
 
-def _tips(problem: CGCProblem) -> tuple[IntArray, FloatArray]:
-    """Return single supports (k,) where K > 0, and the turn of the surface at each, as at the tip of a cone (k,) [rad].
-
-    A cone of slope s has the angle defect ``π s^2``.
-    """
-    V, F = problem.vertices, problem.faces
-    inner = (problem.roles == FIXED) & ~boundary_vertices(V, F)
-    if not inner.any():
-        return np.flatnonzero(inner), np.zeros(0)
-    smooth = problem.asked & (problem.targets > 0)
-    least, total, count = np.ones(len(V), bool), np.zeros(len(V)), np.zeros(len(V))
-    beside = F[inner[F].any(axis=1)]
-    for turn in (1, -1):
-        other = np.roll(beside, turn, axis=1)
-        np.logical_and.at(least, beside, smooth[other])
-        np.add.at(total, beside, np.where(smooth, problem.targets, 0.0)[other])
-        np.add.at(count, beside, 1.0)
-    tips = np.flatnonzero(inner & least & (count > 0))
-    if not len(tips):
-        return tips, np.zeros(0)
-    excess = angle_defects(V, F) - total / np.maximum(count, 1.0) * vertex_areas(V, F)
-    return tips, 2.0 * np.sqrt(np.abs(excess[tips]) / np.pi)
-
-
 def _off_creases(problem: CGCProblem) -> IntArray:
+    """Return the inner edges (k, 4) that are no creases, with their faces."""
+    edges, folded = _inner_edges(problem)
+    return edges[~folded]
+
+
+def _creases(problem: CGCProblem) -> IntArray:
+    """Return the crease edges (c, 2), and those between two vertices on creases."""
+    edges, folded = _inner_edges(problem)
+    return edges[folded, :2]
+
+
+def _inner_edges(problem: CGCProblem) -> tuple[IntArray, Mask]:
+    """Return the inner edges (k, 4) with their faces, and which of them may fold (k,)."""
     edges = edge_faces(problem.faces)
     edges = edges[edges[:, 3] >= 0]
-    if not len(problem.creases) and not (problem.roles == CREASE).any():
-        return edges
     n = len(problem.vertices)
     code, creases = np.sort(edges[:, :2], axis=1) @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1]
-    on_crease = (problem.roles[edges[:, 0]] == CREASE) & (problem.roles[edges[:, 1]] == CREASE)
-    return edges[~(np.isin(code, creases) | on_crease)]
+    return edges, np.isin(code, creases) | (problem.roles[edges[:, :2]] == CREASE).all(axis=1)
 
 
 def _smallest_angle(V: FloatArray, F: IntArray) -> float:

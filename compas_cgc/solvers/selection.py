@@ -100,7 +100,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         if solution.status == "converged":
             asked = problem if solution.targets is None else problem.with_targets(solution.targets)
             show_arrived(callback, solution.vertices)
-            judged = verdict(asked.with_vertices(solution.vertices), problem.vertices)
+            judged = solution.verdict or verdict(asked.with_vertices(solution.vertices), problem.vertices)
             solution = solution._replace(verdict=judged)
             if judged.fair:
                 return _told(solution, choice, tried)

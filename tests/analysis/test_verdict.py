@@ -261,3 +261,36 @@ def test_a_saddle_without_a_branch_point_is_preferred():
     assert gentlest.status == "converged" and "branch point" in str(verdict(problem.with_vertices(gentlest.vertices)))
     for method in ("projection", "auto"):
         assert solve(mesh, method=method).verdict.fair
+
+
+def on_corners(n: int = 20) -> CGCProblem:
+    """A square piece of the unit sphere on its corners."""
+    problem = cap(n)
+    (x, y, _), roles = problem.vertices.T, problem.roles
+    corner = (np.abs(x - 0.5) > 0.499) & (np.abs(y - 0.5) > 0.499)
+    return replace(problem, roles=np.where(corner, FIXED, np.where(roles == FIXED, FREE, roles)))
+
+
+def test_a_horn_at_a_support_is_seen_though_averages_hide_it():
+    problem = on_corners()
+    assert verdict(problem).fair
+    # Up to three edges from a corner the surface is drawn down to a support that lies too low.
+    away = np.hypot(*problem.vertices[:, :2].T) * 20
+    lowered = problem.vertices - np.outer(np.maximum(0.0, 3.0 - away) ** 2 / 9.0 * 0.15, [0.0, 0.0, 1.0])
+    found = verdict(replace(problem, vertices=lowered))
+    assert not found.fair and any("sharp tip" in reason for reason in found.reasons)
+    assert 0 in found.places or np.hypot(*problem.vertices[found.places, :2].T).min() < 0.2
+
+
+def test_a_valley_between_domes_that_sinks_below_its_supports_is_seen():
+    problem = on_corners()
+    x, y, z = problem.vertices.T
+    ridge = np.abs(x - 0.5) < 1e-9
+    edges = np.flatnonzero(ridge)
+    edges = edges[np.argsort(y[edges])]
+    creased = problem.with_creases(np.column_stack([edges[:-1], edges[1:]]).tolist())
+    # Two caps that meet in a valley, once above and once below the level of the corners.
+    heights = [np.sqrt(1.0 - (np.abs(x - 0.5) - centre) ** 2 - (y - 0.5) ** 2) for centre in (0.25, 0.45)]
+    above, below = (verdict(replace(creased, vertices=np.column_stack([x, y, z]))) for z in heights)
+    assert not any("dips" in reason for reason in above.reasons)
+    assert any("dips by" in reason and "support it there" in reason for reason in below.reasons)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from dataclasses import dataclass
 from dataclasses import replace
 from typing import NamedTuple
 from typing import Optional
@@ -25,6 +27,7 @@ from ...model.result import Branch
 from ...model.result import Solution
 from ...model.result import SolveState
 from ...model.roles import DUMMY
+from ...model.verdict import Verdict
 from ...model.verdict import verdict
 from ..coarse import laid_out_anew
 from .lagrangian import Lagrangian
@@ -108,8 +111,9 @@ def polish(
         result[moved] = frame.to_model(vertices[local.movable])
         return result
 
-    def is_fair(state: State) -> bool:
-        return verdict(problem.with_vertices(to_model(lagrangian.vertices(state.unknowns))), problem.vertices).fair
+    @functools.cache
+    def judged(end: _End) -> Verdict:
+        return verdict(problem.with_vertices(to_model(lagrangian.vertices(end.state.unknowns))), problem.vertices)
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
     search = _Search(lagrangian, local, size, settings, recorder)
@@ -120,13 +124,12 @@ def polish(
         ends.append(search.ended(state))
         # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say.
         enough = kept or bool(surfaces) or bool((lagrangian.types >= 0.0).all())
-        if ends[-1].status in ("cancelled", "step_limit") or (ends[-1].arrived and enough and is_fair(ends[-1].state)):
+        if ends[-1].status in ("cancelled", "step_limit") or (ends[-1].arrived and enough and judged(ends[-1]).fair):
             break
     found = _distinct([end for end in ends if end.arrived], lagrangian, size)
-    fair = {id(end): is_fair(end.state) for end in found}
-    found.sort(key=lambda end: not fair[id(end)])
+    found.sort(key=lambda end: not judged(end).fair)
     # Of mirror twins the one that rises along the normals comes first.
-    twins = {id(end) for end in found if _alike(end, found[0]) and fair[id(end)] == fair[id(found[0])]}
+    twins = {id(end) for end in found if _alike(end, found[0]) and judged(end).fair == judged(found[0]).fair}
     found.sort(key=lambda end: (id(end) not in twins, -round(_rise(lagrangian, end.state), RISE_DIGITS) if id(end) in twins else 0.0))
     best = found[0] if found else min(ends, key=lambda end: _error(lagrangian, end.state))
     _, _, H, K = lagrangian.curvatures(best.state.operators)
@@ -134,7 +137,7 @@ def polish(
     errors = law.largest(H / frame.scale, K / frame.scale**2)
     first = [next(k for k, other in enumerate(found) if _alike(end, other)) for end in found]
     branches = tuple(
-        Branch(to_model(lagrangian.vertices(end.state.unknowns)), end.state.energy, fair[id(end)], twin if twin != k else None)
+        Branch(to_model(lagrangian.vertices(end.state.unknowns)), end.state.energy, judged(end).fair, twin if twin != k else None)
         for k, (end, twin) in enumerate(zip(found, first))
     )
     return Solution(
@@ -146,6 +149,7 @@ def polish(
         max(error for _, error in errors),
         recorder.history,
         measure=MID_EDGE,
+        verdict=judged(best) if found else None,
         branches=branches,
     )
 
@@ -197,7 +201,8 @@ def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool
     return [coarse.carried(branch.vertices, anew=not kept) for branch in found.branches]
 
 
-class _End(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _End:
     """Where a search ended."""
 
     state: State

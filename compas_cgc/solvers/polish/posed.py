@@ -6,11 +6,9 @@ import math
 
 import numpy as np
 
-from ...discrete import edge_faces
 from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
-from ...discrete.arrays import Mask
 from ...discrete.mid_edge import MidEdgeMesh
 from ...discrete.smoothed_normals import smooth_normals
 from ...model.laws import ConstantCurvature
@@ -18,9 +16,10 @@ from ...model.laws import Law
 from ...model.laws import Piecewise
 from ...model.problem import CGCProblem
 from ...model.roles import FIXED
+from ...model.visible import held_edges
 from .lagrangian import Lagrangian
 
-__all__ = ["held_edges", "move_directions", "pair_laws", "pair_targets", "posed"]
+__all__ = ["move_directions", "pair_laws", "pair_targets", "posed"]
 
 FACING = 0.3  # component of the normals of faces along the mean normal, from which a drawing has a plan
 SMOOTHINGS = 10  # of the normals of a drawing that has none
@@ -90,11 +89,3 @@ def pair_laws(problem: CGCProblem, mesh: MidEdgeMesh) -> tuple[IntArray, Piecewi
     laws: list[Law] = [ConstantCurvature(targets[of == 0]), *problem.laws.values()]
     used, index = np.unique(of[rows], return_inverse=True)
     return rows, Piecewise([laws[number] for number in used] or laws[:1], index.ravel())
-
-
-def held_edges(problem: CGCProblem) -> IntArray:
-    """Return the edges (h, 2) of the boundary and of creases whose ends are both fixed."""
-    edges = edge_faces(problem.faces)
-    open_: Mask = edges[:, 3] < 0
-    candidates = np.vstack([edges[open_, :2], problem.creases])
-    return candidates[(problem.roles == FIXED)[candidates].all(axis=1)]

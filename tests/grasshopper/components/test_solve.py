@@ -12,12 +12,13 @@ from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
 from compas_cgc import Height
 from compas_cgc import SolveResult
-from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.grasshopper.components import solve as component_module
 from compas_cgc.grasshopper.runtime.address import Address
 from compas_cgc.grasshopper.runtime.background import BackgroundTask
 from compas_cgc.grasshopper.runtime.component_feedback import as_list
 from compas_cgc.grasshopper.runtime.progress import Progress
+from compas_cgc.model.measures import measured_curvature
+from compas_cgc.model.problem import CGCProblem
 
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
@@ -71,7 +72,8 @@ def test_from_toggle_to_surface():
     vertices = np.array(out["mesh"].Vertices)
     inner = [v for v in mesh.vertices() if mesh.vertex_role(v) == "internal"]
     faces = [(f.A, f.B, f.C) for f in out["mesh"].Faces]
-    assert gaussian_curvature(vertices, faces)[inner] == pytest.approx(0.01, rel=1e-5)
+    solved = CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.01)
+    assert measured_curvature(solved)[inner] == pytest.approx(0.01, rel=1e-5)
     assert out["cgc_mesh"].region_target(0) == 0.01 and mesh.arrays()[0][:, 2].max() == 0, "the input is not changed"
     history = place("History").run(result=out["result"])
     assert len(history["step"]) == len(history["max_error"]) == len(out["result"].history.energy)

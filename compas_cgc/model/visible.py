@@ -1,0 +1,118 @@
+"""Faults that are visible at single places of a surface: points where K is far off, and dips below the supports."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import ConvexHull
+from scipy.spatial import QhullError
+
+from ..discrete import edge_faces
+from ..discrete import face_areas
+from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.measured_curvature import MeasuredCurvature
+from .problem import CGCProblem
+from .roles import FIXED
+
+__all__ = ["Points", "dip", "held_edges", "points"]
+
+VISIBLE = np.radians(9.0)  # turn of the surface across a point, as across the tip of a cone, that is visible
+HALF = 0.5  # relative error of K at a single vertex from which the surface has another K there
+NEAR = 2  # edges from a support within which the exact surface may be singular
+DEEP = 0.1  # depth of a dip against the height of the surface over its supports
+APEX = 1e3  # height of a point over supports whose lower hull is sought, against their extent
+
+
+class Points(NamedTuple):
+    """Vertices where a surface comes to a point."""
+
+    vertices: IntArray  # (k,)
+    turns: FloatArray  # (k,) of the surface across them [rad]
+    found: FloatArray  # (k,) K there [1/L^2]
+
+
+def points(problem: CGCProblem, measured: MeasuredCurvature) -> Points:
+    """Return the vertices, supports included, where K is far off and the surface visibly comes to a point.
+
+    The integral of K - K̄ over the cell of a vertex is that of a cone which turns by ``θ`` across its tip: ``π θ² / 4``. Up to
+    two edges from supports, where the exact surface may be singular, K is far off if it has the wrong sign, elsewhere if it is off
+    by more than half. On fixed edges, creases and free edges not all methods prescribe K, and up to two edges from fixed ones K is not
+    judged where K̄ > 0: towards a straight fixed edge one principal curvature is unbounded, and on it K is not positive.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles and targets, without dummies.
+    measured
+        Curvature of the surface by mid-edge normals.
+    """
+    at, region = measured.pairs.T
+    cells = measured.areas / 3.0
+    of_regions = np.array([np.nan if K is None else K for K in problem.region_targets()], dtype=np.float64)
+    targets = np.where(problem.asked[at], problem.targets[at], of_regions[region])
+    fixed, held = problem.roles == FIXED, np.zeros(len(problem.vertices), bool)
+    held[held_edges(problem)] = True
+    near = _within(problem, fixed)
+    unbounded = held | (_within(problem, held) & (problem.targets > 0.0))
+    excess = np.abs(measured.gaussian - targets) * cells
+    allowed = HALF * np.abs(targets) * cells + np.pi / 4.0 * VISIBLE**2
+    far_off = (excess > allowed) & (~near[at] | (measured.gaussian * np.sign(targets) < 0.0))
+    bad = far_off & ~unbounded[at] & (problem.asked | fixed)[at]
+    return Points(at[bad], 2.0 * np.sqrt(excess[bad] / np.pi), measured.gaussian[bad])
+
+
+def _within(problem: CGCProblem, vertices: Mask) -> Mask:
+    """Return the vertices (n,) up to NEAR edges from some vertices (n,)."""
+    near = vertices.copy()
+    for _ in range(NEAR):
+        near[problem.faces[near[problem.faces].any(axis=1)]] = True
+    return near
+
+
+def held_edges(problem: CGCProblem) -> IntArray:
+    """Return the edges (h, 2) of the boundary and of creases whose ends are both fixed."""
+    edges = edge_faces(problem.faces)
+    open_: Mask = edges[:, 3] < 0
+    candidates = np.vstack([edges[open_, :2], problem.creases])
+    return candidates[(problem.roles == FIXED)[candidates].all(axis=1)]
+
+
+def dip(problem: CGCProblem, measured: MeasuredCurvature) -> tuple[int, float]:
+    """Return the lowest vertex below the supports around it, and its depth below their lower hull [L]; -1, 0 without any.
+
+    Where K̄ > 0 everywhere, a surface over a convex plan that bulges to one side stays on that side of the hull of its supports.
+    Where it does not, it dips between them, as at the free end of a valley.
+    """
+    fixed, asked = problem.roles == FIXED, problem.asked
+    if not asked.any() or not (problem.targets[asked] > 0.0).all() or fixed.sum() < 3 or fixed[asked].any():
+        return -1, 0.0
+    V, F = problem.vertices, problem.faces
+    normal = face_areas(V, F) @ face_normals(V, F)
+    bulge = float(np.nansum(measured.mean * measured.areas))
+    up = np.sign(bulge) * normal / max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
+    along = np.linalg.svd(np.eye(3) - np.outer(up, up))[0][:, :2]
+    plan, heights = V @ along, V @ up
+    inside, floor = _floor(plan[fixed], heights[fixed], plan)
+    below = np.where(inside, floor - heights, 0.0)
+    lowest = int(np.argmax(below))
+    height = float(heights.max() - heights[fixed].min())
+    return (lowest, float(below[lowest])) if below[lowest] > DEEP * height else (-1, 0.0)
+
+
+def _floor(plan: FloatArray, heights: FloatArray, at: FloatArray) -> tuple[Mask, FloatArray]:
+    """Return which places (n, 2) lie within the hull of points in plan (k, 2), and the lower hull of their heights there (n,)."""
+    try:
+        outline = ConvexHull(plan).equations
+        reach = float(np.ptp(plan, axis=0).max())
+        apex = np.append(plan.mean(axis=0), heights.max() + APEX * reach)
+        hull = ConvexHull(np.vstack([np.column_stack([plan, heights]), apex]))
+    except (QhullError, ValueError):
+        return np.zeros(len(at), bool), np.zeros(len(at))
+    inside = (at @ outline[:, :2].T + outline[:, 2] <= 1e-9 * reach).all(axis=1)
+    lower = hull.equations[~(hull.simplices == len(plan)).any(axis=1)]
+    a, b, c, d = lower[lower[:, 2] < 0.0].T
+    return inside, -((np.outer(at[:, 0], a) + np.outer(at[:, 1], b) + d) / c).max(axis=1, initial=-np.inf)
