@@ -122,6 +122,12 @@ class Lagrangian:
         return bool((self.types > 0.0).all()) and not self._posed[0][sides].any()
 
     @property
+    def is_minimal(self) -> bool:
+        """Whether the supports determine a minimal surface."""
+        shape = self.law.shape()
+        return self.is_determined and not (shape.mean.any() or shape.round.any())
+
+    @property
     def has_plan(self) -> bool:
         """Whether all vertices move along one direction."""
         return bool((self.mesh.directions == self.mesh.directions[0]).all())

@@ -32,6 +32,7 @@ from ...model.verdict import verdict
 from ..coarse import laid_out_anew
 from .lagrangian import Lagrangian
 from .lagrangian import State
+from .least_area import least_area
 from .optimiser import steps
 from .posed import pair_laws
 from .posed import posed
@@ -168,6 +169,10 @@ def posed_as_set(problem: CGCProblem, settings: PolishSettings) -> Posed:
     local, frame = problem.without_dummies().local()
     size = math.sqrt(float(face_areas(local.vertices, local.faces).sum()))
     lagrangian = posed(local, settings.fold_length)
+    if lagrangian.is_minimal and not lagrangian.has_plan:
+        # Of several minimal surfaces the one of least area is found, whatever is drawn.
+        local = local.with_vertices(least_area(local.vertices, local.faces, local.movable))
+        lagrangian = posed(local, settings.fold_length)
     if settings.keep == "shape" or (settings.keep == "auto" and is_kept(lagrangian)):
         lagrangian = lagrangian.keeping(WAVES * size)
     else:
