@@ -27,6 +27,7 @@ from .normal_moves import Sensitivities
 __all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
 
 STEPS = 3  # of Newton's method after K has changed
+RELAXATIONS = 2  # at most, towards the surface of least energy
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
 STARTS = 3  # clusterings that are improved, the nearest to the design
@@ -214,8 +215,21 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
 
 
 def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
-    near = moves.newton(near, assigned.K, STEPS)
-    return Placed(assigned, near, _norm(moves, near) if np.isfinite(near).all() else np.inf)
+    """Return an assignment with a surface near given moves, relaxed for as long as this brings it nearer to the design."""
+    best = _placed(moves, assigned, near)
+    for _ in range(RELAXATIONS):
+        if not np.isfinite(best.norm):
+            break
+        relaxed = _placed(moves, assigned, moves.relaxed(best.moves, assigned.K))
+        if not relaxed.norm < ENOUGH * best.norm:
+            break
+        best = relaxed
+    return best
+
+
+def _placed(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
+    here = moves.newton(near, assigned.K, STEPS)
+    return Placed(assigned, here, _norm(moves, here) if np.isfinite(here).all() else np.inf)
 
 
 def _norm(moves: NormalMoves, own: FloatArray) -> float:

@@ -145,6 +145,11 @@ class NormalMoves:
         system = self._linearised(moves, K)
         return moves - system.solved(system.residual[:, None])[:, 0]
 
+    def relaxed(self, moves: FloatArray, K: FloatArray) -> FloatArray:
+        """Return the moves (c,) of least energy with the K (p,) of the panels, to first order about moves (c,)."""
+        system = self._linearised(moves, K)
+        return system.solved((system.jacobian @ moves - system.residual)[:, None])[:, 0]
+
     def newton(self, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
         """Return the moves (c,) after steps to the K (p,) of the panels, all with the factors of the first."""
         system = self._linearised(moves, K)
