@@ -431,7 +431,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_solve(tmp_path, 
         (["solve", "roof.3dm"], "compas-cgc solve: missing: -o/--output; see compas-cgc solve --help"),
         (
             ["mould", "roof.3dm", "-o", "moulds.3dm"],
-            "compas-cgc mould: missing: one of --size, --count and --curves; see compas-cgc mould --help",
+            "compas-cgc mould: missing: one of --size, --count, --columns and --curves; see compas-cgc mould --help",
         ),
         (
             ["solve", "roof.3dm", "-o", "out.3dm", "--supports", "0,99"],
