@@ -42,7 +42,8 @@ def panel_regions(problem: CGCProblem, panels: Sequence[Panel]) -> PanelRegions:
     CGCError
         If the panels do not contain every face exactly once.
     """
-    if isinstance(panels, str) or not isinstance(panels, Sequence) or not len(panels) or not all(hasattr(own, "cut") for own in panels):
+    given: object = panels
+    if not isinstance(given, (list, tuple)) or not given or not all(hasattr(own, "cut") for own in given):
         raise CGCError(f"panels must be the result of panels(surface, ...), not {panels!r:.60}")
     cut = panels[0].cut
     whole = uncut(problem.vertices, problem.faces) if cut is None else cut

@@ -21,24 +21,13 @@ from .patchwork import mates
 from .patchwork import outline_sides
 from .patchwork import split_piece
 
-__all__ = ["JOINTS", "Box", "Joints", "best_box", "cut_to_fit", "shortest_contact"]
+__all__ = ["CUT_TOLERANCE", "Box", "best_box", "cut_to_fit", "parted", "refuse_many"]
 
 SNAP_TOLERANCE = 1e-9  # distance of a node from a cut, relative to the size of the piece, that counts as zero
 MAX_PIECES = 5000
 POSITIONS = 9  # of a joint that are compared
 CUT_TOLERANCE = 1e-7  # distance of a node from a cut, relative to the size of the piece, below which the cut passes through it
 SLACK = 1e-6  # of a sheet that a joint leaves free, so that this tolerance does not make a piece too large
-
-
-class Joints(NamedTuple):
-    """Preferences for the joints of a piece that is larger than a sheet."""
-
-    across: str  # the direction cut first: "more" for the one that needs more sheets, "width", or "length" of the sheet
-    fill: float  # position of a joint between the least and the largest possible: 0.5 divides evenly, 0 and 1 fill whole sheets
-
-
-# Even division first; the others leave few large offcuts instead of many small ones.
-JOINTS = tuple(Joints(across, fill) for across in ("more", "width", "length") for fill in (0.5, 1.0, 0.0))
 
 
 class Box(NamedTuple):
@@ -50,9 +39,15 @@ class Box(NamedTuple):
     parts: float  # least number of sheets
 
 
-def best_box(points: FloatArray, sheet: tuple[float, float]) -> Box:
-    """Return the bounding rectangle of points (k, 2) [L] that needs the fewest sheets, and of these the smallest."""
+def best_box(points: FloatArray, sheet: tuple[float, float], along: Optional[FloatArray] = None) -> Box:
+    """Return the bounding rectangle of points (k, 2) [L] that needs the fewest sheets, and of these the smallest.
+
+    A direction (2,) of the length of the sheet may be given, as for a grain.
+    """
     hull = points[_hull(points)]
+    if along is not None:
+        length, width = np.ptp(hull @ along), np.ptp(hull @ [-along[1], along[0]])
+        return Box(along, float(length), float(width), float(np.ceil(length / sheet[0]) * np.ceil(width / sheet[1])))
     ahead = np.roll(hull, -1, axis=0) - hull
     angle = np.unique(np.round(np.r_[0.0, np.arctan2(ahead[:, 1], ahead[:, 0])] % (np.pi / 2), 9))
     boxes = []
@@ -71,7 +66,7 @@ def cut_to_fit(
     too_wide: Optional[Callable[[Patchwork, int], bool]] = None,
     taken: Optional[Callable[[Patchwork, int], FloatArray]] = None,
     before_cut: Optional[Callable[[Patchwork, int, Box], None]] = None,
-    joints: Joints = JOINTS[0],
+    grain: Optional[Callable[[Patchwork, int], FloatArray]] = None,
     shortest: float = 0.0,
 ) -> Patchwork:
     """Cut pieces by straight lines until each fits on a sheet and does not overlap itself.
@@ -90,8 +85,8 @@ def cut_to_fit(
         Function that returns points (k, 2) around the room of a piece. Default: its corners.
     before_cut
         Function called with a piece and its rectangle before a cut; it may raise to stop. Default: all pieces may be cut.
-    joints
-        Preferences for the positions of cuts.
+    grain
+        Function that returns the direction (2,) of a piece along the length of the sheet. Default: any direction.
     shortest
         Length of seams below which a cut is moved, if its pieces allow it [L].
 
@@ -104,10 +99,7 @@ def cut_to_fit(
     ValueError
         If the sheet would give more than MAX_PIECES pieces.
     """
-    too_many = f"a sheet of {sheet[0]:g} x {sheet[1]:g} would give more than {MAX_PIECES} pieces; use larger sheets"
-    ahead, back = patchwork.plane[:, 1] - patchwork.plane[:, 0], patchwork.plane[:, 2] - patchwork.plane[:, 0]
-    if 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]).sum() > MAX_PIECES * sheet[0] * sheet[1]:
-        raise ValueError(too_many)
+    refuse_many(patchwork, sheet)
     own = connected_pieces(patchwork)
     done: set[int] = set()
     while True:
@@ -117,20 +109,38 @@ def cut_to_fit(
         for piece in open_:
             if flattened is not None:
                 own = flattened(own, piece)
-            box = best_box(own.plane[own.piece == piece].reshape(-1, 2) if taken is None else taken(own, piece), sheet)
+            corners = own.plane[own.piece == piece].reshape(-1, 2) if taken is None else taken(own, piece)
+            box = best_box(corners, sheet, None if grain is None else grain(own, piece))
             if box.parts <= 1 and not overlaps(own, piece) and not (too_wide is not None and too_wide(own, piece)):
                 done.add(piece)
                 continue
             if before_cut is not None:
                 before_cut(own, piece, box)
             if own.piece.max() > MAX_PIECES:
-                raise ValueError(too_many)
-            own = _parted(_halved(own, piece, box, sheet, joints, shortest), piece)
+                raise _too_many(sheet)
+            own = parted(_halved(own, piece, box, sheet, shortest), piece)
 
 
-def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], joints: Joints, shortest: float) -> Patchwork:
+def refuse_many(patchwork: Patchwork, sheet: tuple[float, float]) -> None:
+    """Refuse a sheet on which a surface would have more than MAX_PIECES pieces.
+
+    Raises
+    ------
+    ValueError
+        With a remedy.
+    """
+    ahead, back = patchwork.plane[:, 1] - patchwork.plane[:, 0], patchwork.plane[:, 2] - patchwork.plane[:, 0]
+    if 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]).sum() > MAX_PIECES * sheet[0] * sheet[1]:
+        raise _too_many(sheet)
+
+
+def _too_many(sheet: tuple[float, float]) -> ValueError:
+    return ValueError(f"a sheet of {sheet[0]:g} x {sheet[1]:g} would give more than {MAX_PIECES} pieces; use larger sheets")
+
+
+def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], shortest: float) -> Patchwork:
     """Cut a piece at the preferred position without short seams, or where the shortest seam is longest."""
-    normal, levels = _levels(own, piece, box, sheet, joints)
+    normal, levels = _levels(own, piece, box, sheet)
     tolerance = CUT_TOLERANCE * float(np.ptp(own.plane[own.piece == piece] @ normal))
     best, longest = own, -1.0
     for level in levels:
@@ -143,7 +153,7 @@ def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], jo
     return best
 
 
-def _levels(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], joints: Joints) -> tuple[FloatArray, list[float]]:
+def _levels(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float]) -> tuple[FloatArray, list[float]]:
     """Return the normal of a cut and its possible levels along it, the preferred one first.
 
     With every level the two parts together need as many sheets along the normal as the piece.
@@ -154,8 +164,6 @@ def _levels(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], jo
         height = own.plane[own.piece == piece] @ normal
         return normal, [float(0.5 * (height.min() + height.max()))]
     along = box.length / sheet[0] >= box.width / sheet[1]
-    if joints.across != "more" and min(box.length / sheet[0], box.width / sheet[1]) > 1.0:
-        along = joints.across == "length"
     normal, extent, full = (box.along, box.length, sheet[0]) if along else (across, box.width, sheet[1])
     count = max(2, int(np.ceil(extent / full - 1e-12)))
     height, first = own.plane[own.piece == piece] @ normal, count // 2
@@ -164,10 +172,9 @@ def _levels(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], jo
     even = float(height.min() + np.ptp(height) * first / count)
     if not low < high:
         return normal, [even]
-    # The even division is not the middle of the range if the count is odd.
-    share = np.interp(joints.fill, [0.0, 0.5, 1.0], [low, np.clip(even, low, high), high])
-    levels = np.append(share, np.linspace(low, high, POSITIONS))
-    return normal, levels[np.argsort(np.abs(levels - share), kind="stable")].tolist()
+    even = float(np.clip(even, low, high))
+    levels = np.append(even, np.linspace(low, high, POSITIONS))
+    return normal, levels[np.argsort(np.abs(levels - even), kind="stable")].tolist()
 
 
 def shortest_contact(own: Patchwork, pieces: tuple[int, ...]) -> float:
@@ -185,7 +192,7 @@ def shortest_contact(own: Patchwork, pieces: tuple[int, ...]) -> float:
     return float((np.bincount(pairs, lengths) / np.where(twice, 2.0, 1.0)).min())
 
 
-def _parted(own: Patchwork, piece: int) -> Patchwork:
+def parted(own: Patchwork, piece: int) -> Patchwork:
     """Renumber the connected parts of the two pieces of a cut, keeping other numbers."""
     parts = connected_pieces(own).piece
     labels = own.piece.copy()

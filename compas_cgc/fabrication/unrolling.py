@@ -24,22 +24,19 @@ from .flattening import flatten
 from .layout import among
 from .layout import cut_open
 from .option_values import truth
-from .outlines import seams_between
 from .panelling import Panel
-from .patchwork import CREASE
-from .patchwork import SIDES
 from .patchwork import Patchwork
 from .patchwork import weights_in
 from .patterns import Patterns
 from .patterns import patterns_of
 from .piece_strains import strains_of
-from .pieces import JOINTS
 from .pieces import Box
 from .pieces import cut_to_fit
 from .placing import extent
 from .placing import on_sheets
 from .regions_in_plane import developed
 from .regions_in_plane import developed_panels
+from .rows import in_rows
 from .rulings import rulings_of
 from .solved import chosen_regions
 from .solved import solved_problem
@@ -121,7 +118,7 @@ def unroll(
     >>> import compas_cgc
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> len(patterns.pieces), patterns.sheets
-    (18, 14)
+    (20, 14)
     """
     kept = (seams is not None or panels is not None) if whole is None else truth(whole, "whole")
     if seams is not None and panels is not None:
@@ -162,23 +159,17 @@ def unroll(
 
     room = stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)
     least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
-    # Without sheets there is nothing to choose; curved pieces are flattened after every cut, so that a choice is expensive.
-    choices = JOINTS if stock.sheet is not None and not curved else JOINTS[:1]
     try:
-        layouts = [on_sheets(cut_to_fit(flat, room, flattened, too_wide, taken, refuse, joints, least), stock) for joints in choices]
+        if stock.sheet is not None and not kept:
+            flat = in_rows(flat, room, stock.spacing or 0.0, least)
+        placed, on_sheet, stock = on_sheets(cut_to_fit(flat, room, flattened, too_wide, taken, refuse, shortest=least), stock)
     except ValueError as error:
         raise CGCError(str(error)) from None
-    placed, on_sheet, stock = min(layouts, key=lambda own: (_short_seams(own[0], least), max(own[1]), int(own[0].piece.max())))
     ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
     lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if stock.sheet is None else 0.25 * stock.sheet[1])
     names = [panel.name for panel in panels or () if panel.region in chosen]
     # Panels that were cut again need other names.
     return patterns_of(problem, placed, on_sheet, unrollings, stock, lines, straightness, names if len(names) == len(on_sheet) else ())
-
-
-def _short_seams(own: Patchwork, least: float) -> int:
-    """Return the number of seams, without creases, shorter than a length [L]."""
-    return sum(seam.length < least for seam in seams_between(own) if seam.kind != SIDES[CREASE])
 
 
 def _check_scale(problem: CGCProblem, stock: Stock) -> None:
