@@ -94,7 +94,7 @@ class Patterns:
     >>> from compas_cgc.fabrication import unroll
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> patterns.sheets
-    14
+    15
     """
 
     problem: CGCProblem

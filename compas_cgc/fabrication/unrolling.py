@@ -118,7 +118,7 @@ def unroll(
     >>> import compas_cgc
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> len(patterns.pieces), patterns.sheets
-    (20, 14)
+    (20, 15)
     """
     kept = (seams is not None or panels is not None) if whole is None else truth(whole, "whole")
     if seams is not None and panels is not None:
