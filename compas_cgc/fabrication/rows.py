@@ -86,9 +86,9 @@ class _Tried(NamedTuple):
 def in_rows(own: Patchwork, sheet: tuple[float, float], spacing: float, shortest: float, along: Optional[FloatArray] = None) -> Patchwork:
     """Return the patchwork with every piece that is larger than a sheet cut into rows.
 
-    Rows in several directions and positions are compared on the outline of the piece. The chosen ones have the fewest seams and parts smaller than a
-    length, then need the fewest sheets, and are then preferably symmetric, with the fewest pieces. Pieces stay whole without shapely,
-    and if their outline crosses itself.
+    Rows in several directions and positions are compared on the outline of the piece. The chosen ones have the fewest seams and parts
+    smaller than a length, then need the fewest sheets, and are then preferably symmetric, with the fewest pieces. Pieces stay whole
+    without shapely, and if their outline crosses itself.
 
     Parameters
     ----------

@@ -126,7 +126,7 @@ def test_the_tutorial_does_what_it_says(tmp_path, monkeypatch, capsys):
         for line in block.splitlines() if language == "sh" else ():
             assert main(line.split()[1:]) == 0, line
     said = capsys.readouterr().out
-    assert "18 pieces" in said and "unrolls into flat sheets without strain" in said
+    assert "20 pieces" in said and "unrolls into flat sheets without strain" in said
     assert {path.suffix for path in tmp_path.iterdir()} == {".3dm", ".dxf", ".csv"}
     assert len(scope["outlines"]) == len(scope["patterns"].pieces)
 
