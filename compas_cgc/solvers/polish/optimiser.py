@@ -18,7 +18,7 @@ from .saddle import Saddle
 __all__ = ["Step", "regularisation", "steps"]
 
 LONGEST = 0.25  # move of a vertex in a step, against the size of the mesh
-REGULARISATION = 1e-7  # of multipliers that equations hardly determine, against the area of their cells times the scale of the law
+REGULARISATION = 1e-8  # of multipliers that equations hardly determine, against the area of their cells times the scale of the law
 ABOVE, FORGET = 1.5, 0.7  # weight of the residuals in the merit, against the largest multiplier; what remains of an earlier one
 DECREASE = 1e-2  # part of the predicted decrease of the merit that a step must bring
 SHORTEST = 1e-3  # part of a step below which it is given up

@@ -83,9 +83,10 @@ def pair_laws(problem: CGCProblem, mesh: MidEdgeMesh) -> tuple[IntArray, Piecewi
     of = np.where(np.isfinite(targets), 0, -1)
     held = np.zeros(len(problem.vertices), bool)
     held[held_edges(problem)] = True
-    for number, region in enumerate(problem.laws, 1):
-        of[(mesh.pairs[:, 1] == region) & ~held[mesh.pairs[:, 0]]] = number
+    others = list(dict.fromkeys(problem.laws.values()))
+    for region, law in problem.laws.items():
+        of[(mesh.pairs[:, 1] == region) & ~held[mesh.pairs[:, 0]]] = 1 + others.index(law)
     rows = np.flatnonzero(of >= 0)
-    laws: list[Law] = [ConstantCurvature(targets[of == 0]), *problem.laws.values()]
+    laws: list[Law] = [ConstantCurvature(targets[of == 0]), *others]
     used, index = np.unique(of[rows], return_inverse=True)
     return rows, Piecewise([laws[number] for number in used] or laws[:1], index.ravel())
