@@ -52,7 +52,7 @@ INSIDE = {
         {"run"},
     ],
     "grasshopper": [{"runtime", "build"}, {"components"}],
-    "paper": [{"examples"}, {"reproduction", "benchmarks"}],
+    "paper": [{"examples", "weingarten"}, {"reproduction", "benchmarks"}],
 }
 LONGEST = 10
 
