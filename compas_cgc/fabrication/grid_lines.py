@@ -28,6 +28,7 @@ MAX_SHIFT = 0.15  # largest shift of a grid line onto mesh edges, relative to th
 FOLLOW_RATIO = 0.1  # remaining cut into faces, relative to the unshifted line, up to which it counts as following edges
 SHIFT_TOLERANCE = 1e-6  # relative tolerance of the shift
 MIN_REST = 0.2  # width of a rest, relative to the last given width, below which it joins the strip before
+SAMPLES = 400  # of a coordinate, at which lengths along the surface are compared
 MAX_LINES = 1_000_000  # along one axis
 SIDE_TOLERANCE = 1e-9  # distance from a side, relative to the region, up to which a vertex lies on it
 
@@ -35,12 +36,13 @@ Widths = Union[float, Sequence[float]]
 
 
 class Division(NamedTuple):
-    """How a grid divides regions; one of `size`, `number`, and `columns` or `rows` is given."""
+    """How a grid divides regions; one of `size`, `number`, `columns` or `rows`, and `largest` is given."""
 
     size: Optional[float] = None  # approximate width of the cells [L]
     number: Optional[int] = None  # approximate number of cells per region
     columns: Optional[Widths] = None  # widths along the first direction, the last one repeated [L]
     rows: Optional[Widths] = None  # widths along the second direction [L]
+    largest: Optional[tuple[float, float]] = None  # lengths of the cells along the surface, at most about [L]
     along: str = "plan"  # "plan": along the sides of regions with four corners, else the axes of the plan; "curvature"
 
 
@@ -132,7 +134,11 @@ def grid_lines(problem: CGCProblem, region: IntArray, division: Division) -> Gri
     for strip in _strips(charts, group):
         along = [_turned(corners[k][:, :, axis], back) for k, axis, back in strip]
         lengths = np.array([extent[k, [axis, 1 - axis]] for k, axis, _ in strip]).mean(axis=0)
-        positions = _positions(division, strip[0][1], *lengths.tolist())
+        if division.largest is not None:
+            stretch = [_stretch(problem.vertices[problem.faces[charts[k].faces]], corners[k], axis) for k, axis, _ in strip]
+            positions = _of_one_length(along, np.concatenate(stretch), division.largest[strip[0][1]])
+        else:
+            positions = _positions(division, strip[0][1], *lengths.tolist())
         at = np.concatenate(along)
         lines.append(np.unique([_shifted(line, at) for line in positions[: len(at)]]))
         strips.append([Axis(*one, float(each.min()), float(each.max())) for one, each in zip(strip, along)])
@@ -243,6 +249,39 @@ def _at_widths(widths: Widths, length: float) -> list[float]:
             break
         found.append(at / length)
     return found
+
+
+def _stretch(places: FloatArray, at: FloatArray, axis: int) -> FloatArray:
+    """Return the length on faces with corners (m, 3, 3) per unit of one of two coordinates (m, 3, 2) at these [L]."""
+    ahead, along = places[:, 1:] - places[:, :1], at[:, 1:] - at[:, :1]
+    area = along[:, 0, 0] * along[:, 1, 1] - along[:, 0, 1] * along[:, 1, 0]
+    # The other coordinate is constant along this direction.
+    other = along[:, :, 1 - axis]
+    direction = (1.0 if axis == 0 else -1.0) * (other[:, 1, None] * ahead[:, 0] - other[:, 0, None] * ahead[:, 1])
+    return np.linalg.norm(direction, axis=1) / np.maximum(np.abs(area), np.finfo(float).tiny)
+
+
+def _of_one_length(at: list[FloatArray], stretch: FloatArray, largest: float) -> list[float]:
+    """Return the positions of lines between strips of equal length along the surface, where they are longest.
+
+    Parameters
+    ----------
+    at
+        Coordinates at the corners of faces (m, 3), from 0 to 1, for every region.
+    stretch
+        (m,) length per unit of the coordinate [L].
+    largest
+        Length of the strips [L].
+    """
+    corners = np.concatenate(at)
+    middle = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    low, high = np.searchsorted(middle, corners.min(axis=1)), np.searchsorted(middle, corners.max(axis=1))
+    longest = np.zeros(SAMPLES)
+    for first, last, length in zip(low.tolist(), high.tolist(), stretch.tolist()):
+        longest[first:last] = np.maximum(longest[first:last], length)
+    total = np.r_[0.0, np.cumsum(longest) / SAMPLES]
+    number = max(1, math.ceil(total[-1] / largest - 1e-9))
+    return np.interp(total[-1] * np.arange(1, number) / number, total, np.linspace(0.0, 1.0, SAMPLES + 1)).tolist()
 
 
 def _shifted(line: float, at: FloatArray) -> float:

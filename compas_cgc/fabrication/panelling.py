@@ -27,6 +27,7 @@ from ..errors import CGCError
 from ..errors import names_what_was_meant
 from ..meshing.level_cuts import CutMesh
 from ..model.given import checked_number
+from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from .curves import CurveNet
@@ -42,7 +43,7 @@ from .layout import among
 from .option_values import ALONG
 from .panel_seams import seam_lengths
 
-__all__ = ["Panel", "panels"]
+__all__ = ["Panel", "grid_panels", "panels"]
 
 MOVES = (0.05, 0.1, 0.15, 0.2)  # of a strip, by which grid lines are moved to lengthen short seams
 MIN_CELL_SHARE = 0.2  # area relative to a grid cell below which a panel is merged with a neighbour
@@ -146,20 +147,28 @@ def panels(
     if count is not None and not checked_number(count, "the count of panels") >= 1:
         raise CGCError(f"the count of panels per region must be at least 1, not {count!r}")
     problem = problem_of(mesh, "or the result of a solve is built from").without_dummies()
-    label = problem.regions()
-    if curves is not None:
-        joints = curve_joints(problem, [curve.points for curve in curves.curves] if isinstance(curves, CurveNet) else curves)
-        divided = _divided(joints, label)
-    else:
-        grid = grid_lines(problem, label, Division(size, count, columns, rows, along))
-        least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
-        areas = face_areas(problem.vertices, problem.faces)
-        divided = _with_long_seams(grid, lambda own: _divided(grid_joints(problem, label, areas, own), label), least)
+    if curves is None:
+        return grid_panels(problem, Division(size, count, columns, rows, along=along), shortest)
+    joints = curve_joints(problem, [curve.points for curve in curves.curves] if isinstance(curves, CurveNet) else curves)
+    return _named(_divided(joints, problem.regions()), len(problem.faces))
+
+
+def grid_panels(problem: CGCProblem, division: Division, shortest: float) -> list[Panel]:
+    """Return panels between the lines of a grid, which are moved where seams are shorter than a length [mm]."""
+    label, areas = problem.regions(), face_areas(problem.vertices, problem.faces)
+    least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
+    grid = grid_lines(problem, label, division)
+    divided = _with_long_seams(grid, lambda own: _divided(grid_joints(problem, label, areas, own), label), least)
+    return _named(divided, len(label))
+
+
+def _named(divided: _Divided, faces: int) -> list[Panel]:
+    """Return the panels of a division of a mesh with a number of faces."""
     joints, part, piece = divided
     own = joints.mesh
-    cut = own if len(own.faces) > len(label) else None
+    cut = own if len(own.faces) > faces else None
     found: list[Panel] = []
-    for region in range(int(label.max(initial=-1)) + 1):
+    for region in range(int(part.max(initial=-1)) + 1):
         inside = np.flatnonzero(part == region)
         number = _numbered(piece[inside], joints.cell[inside])
         count_of = int(number.max(initial=-1)) + 1

@@ -38,6 +38,7 @@ from .regions_in_plane import developed
 from .regions_in_plane import developed_panels
 from .rows import in_rows
 from .rulings import rulings_of
+from .sheet_panels import sheet_panels
 from .solved import chosen_regions
 from .solved import solved_problem
 from .stock import Stock
@@ -160,7 +161,10 @@ def unroll(
     room = stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)
     least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
     try:
-        if stock.sheet is not None and not kept:
+        if stock.sheet is not None and not kept and len(curved) == len(chosen) and seams is None:
+            panels = sheet_panels(problem, chosen, stock, shortest, taken, too_wide)
+            flat, cuts, unrollings = (flat, cuts, unrollings) if panels is None else developed_panels(problem, panels, chosen)
+        elif stock.sheet is not None and not kept:
             flat = in_rows(flat, room, stock.spacing or 0.0, least)
         placed, on_sheet, stock = on_sheets(cut_to_fit(flat, room, flattened, too_wide, taken, refuse, shortest=least), stock)
     except ValueError as error:

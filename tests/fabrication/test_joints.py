@@ -103,6 +103,16 @@ def test_panels_are_the_pieces_of_patterns(roof):
         unroll(roof, (6.0, 3.0), panels=found[:-1])
 
 
+def test_sheets_of_a_curved_roof_are_cut_along_one_grid(roof):
+    """Joints in neighbouring regions meet, so that creases have no short seams either."""
+    patterns = unroll(roof, (3.0, 1.5))
+    assert min(seam.length for seam in patterns.seams) >= 0.1
+    assert "seams shorter than" not in str(patterns)
+    # As many pieces in each of the corner regions, and in each of the regions at the sides.
+    count = np.bincount([piece.region for piece in patterns.pieces])
+    assert len(set(count[[0, 2, 6, 8]].tolist())) == 1 and len(set(count[[1, 3, 5, 7]].tolist())) == 1
+
+
 def test_panels_of_a_vault_unroll_without_strain():
     vault = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
     patterns = unroll(vault, (3.0, 1.5), panels=panels(vault, 1.2))

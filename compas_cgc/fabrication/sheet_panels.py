@@ -1,0 +1,68 @@
+"""Panels of curved regions that fit on sheets when they are flattened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Optional
+
+from ..discrete.arrays import FloatArray
+from ..errors import CGCError
+from ..model.problem import CGCProblem
+from .grid_lines import Division
+from .nesting import nest
+from .panelling import Panel
+from .panelling import grid_panels
+from .patchwork import Patchwork
+from .pieces import best_box
+from .regions_in_plane import developed_panels
+from .stock import Stock
+
+__all__ = ["sheet_panels"]
+
+SCALES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)  # sides of panels along the surface that are tried, relative to a sheet
+
+
+def sheet_panels(
+    problem: CGCProblem,
+    regions: list[int],
+    stock: Stock,
+    shortest: float,
+    taken: Callable[[Patchwork, int], FloatArray],
+    too_wide: Callable[[Patchwork, int], bool],
+) -> Optional[list[Panel]]:
+    """Return panels of the grid that needs the fewest sheets, None if the mesh is too coarse for a grid.
+
+    Single panels may be larger than a sheet, and are then to be cut.
+
+    Parameters
+    ----------
+    problem
+        The surface.
+    regions
+        Numbers of the regions.
+    stock
+        The sheets.
+    shortest
+        Length of seams below which grid lines are moved, if possible [mm].
+    taken
+        Function that returns points around the room of a piece (k, 2) [L].
+    too_wide
+        Function that decides whether a piece has too much strain.
+    """
+    best: Optional[tuple[int, Division]] = None
+    for sides in (stock.room, stock.room[::-1]):
+        for scale in SCALES:
+            try:
+                division = Division(largest=(scale * sides[0], scale * sides[1]))
+                flat = developed_panels(problem, grid_panels(problem, division, 0.0), regions)[0]
+            except CGCError:
+                break
+            boxes = [best_box(taken(flat, piece), stock.room) for piece in range(int(flat.piece.max()) + 1)]
+            parts = [int(max(box.parts, 1 + too_wide(flat, piece))) for piece, box in enumerate(boxes)]
+            fitting = [box[1:3] for box, count in zip(boxes, parts) if count == 1]
+            nested = 1 + max(place.sheet for place in nest(fitting, stock.room, stock.spacing or 0.0)) if fitting else 0
+            sheets = nested + sum(count for count in parts if count > 1)
+            best = (sheets, division) if best is None or sheets < best[0] else best
+            if max(parts) == 1:
+                break
+    return None if best is None else grid_panels(problem, best[1], shortest)
