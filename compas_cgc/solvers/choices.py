@@ -16,6 +16,7 @@ from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import FIXED
+from .polish.goal_seeking import finds_curvature
 from .polish.polisher import keeps_shape
 from .registry import METHODS
 from .registry import method_of
@@ -38,7 +39,8 @@ LAWS = Choice("bending", "it alone takes laws other than constant K")
 DRAWN_IN = Choice("projection", "free edges leave their drawn lines where no fair surface stays over them")
 DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
-GOALS = Choice("projection", "it alone meets goals")
+SOUGHT = Choice("bending", "it bends and folds least, and finds K for goals of the whole surface")
+GOALS = Choice("projection", "it meets goals of all kinds")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
 SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 1.5 beside straight fixed edges, others of order 1
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
@@ -69,7 +71,9 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.laws:
         return [LAWS]
     if problem.goals:
-        return [ONE_UNKNOWN, GOALS] if held_by_newton(problem) else [GOALS]
+        if held_by_newton(problem):
+            return [ONE_UNKNOWN, GOALS]
+        return [SOUGHT, GOALS] if finds_curvature(problem) and not is_held_all_round(problem, folded=True) else [GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]

@@ -51,7 +51,7 @@ def solved_on(
     first = choose(drawn, settings)[0] if method == "auto" else Choice(method, "it was asked for")
     own = settings_of(METHODS[first.method], settings)
     if first.method == "bending":
-        if (np.sign(problem.targets) != np.sign(before.targets)).any():
+        if drawn.goals or (np.sign(problem.targets) != np.sign(before.targets)).any():
             # From a dome no way leads to a saddle.
             return None
         solution = polish(drawn, settings=own, start=problem.vertices, callback=callback)  # type: ignore[arg-type]

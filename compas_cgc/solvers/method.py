@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import NamedTuple
 
+from ..model.constraints import Constraint
+from ..model.goals.wholes import is_of_whole
 from .settings import Settings
 
 if TYPE_CHECKING:
@@ -30,8 +33,8 @@ class Method(NamedTuple):
         Its class of settings.
     solve
         Its vertices are those of the problem, in its order.
-    holds_constraints
-        It holds what is asked besides K.
+    goals
+        Those that it takes: ``none``, those of the ``whole`` surface, or ``any``.
     any_sign
         It reaches negative K̄.
     any_law
@@ -48,6 +51,10 @@ class Method(NamedTuple):
     text: str  # what it does and what for, in a sentence
     settings: type[Settings]
     solve: Callable[[CGCProblem, Any, Callback], Solution]  # its vertices are those of the problem, in its order
-    holds_constraints: bool = False  # it holds what is asked besides K
+    goals: str = "none"  # those that it takes: none, those of the whole surface, or any
     any_sign: bool = False  # it reaches negative K̄
     any_law: bool = False  # it takes laws other than constant K
+
+    def takes(self, goals: Iterable[Constraint]) -> bool:
+        """Return whether it takes goals of these kinds."""
+        return self.goals == "any" or all(self.goals == "whole" and is_of_whole(goal) for goal in goals)

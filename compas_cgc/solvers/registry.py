@@ -186,7 +186,7 @@ def _only_owner(values: Mapping[str, Any]) -> str:
     able = [name for name, method in METHODS.items() if set(values) <= set(method.settings.options())]
     if len(able) > 1:
         # One that takes any problem.
-        able = [name for name in able if METHODS[name].any_sign and METHODS[name].holds_constraints] or able
+        able = [name for name in able if METHODS[name].any_sign and METHODS[name].goals == "any"] or able
     if len(able) != 1:
         raise ValueError(
             f"the settings {', '.join(sorted(map(_door_name, values)))} do not belong to one method; name it, {', '.join(METHODS)}"

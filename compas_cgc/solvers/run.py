@@ -20,7 +20,6 @@ from ..model.checks import check
 from ..model.checks import refuse
 from ..model.constraint_data import as_goals
 from ..model.constraints import Constraint
-from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import is_of_whole
 from ..model.problem import CGCProblem
@@ -197,10 +196,8 @@ def _check_laws(method: str, problem: CGCProblem) -> None:
 
 
 def _check_constraints(method: str, problem: CGCProblem) -> None:
-    if method == "newton" and held_by_newton(problem):
-        return
-    if problem.goals and method != "auto" and not METHODS[method].holds_constraints:
-        able = " or ".join(repr(own.name) for own in METHODS.values() if own.holds_constraints)
+    if method != "auto" and not METHODS[method].takes(problem.goals):
+        able = " or ".join(repr(own.name) for own in METHODS.values() if own.takes(problem.goals))
         raise ValueError(f"only the method {able} holds constraints; use it, or 'auto' without settings of another method")
 
 

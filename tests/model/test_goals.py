@@ -193,7 +193,7 @@ WRONG = {
     "a word for vertices": ([{"kind": "above", "height": 2, "vertices": "crwn"}], {}, "or 'all', not 'crwn'"),
     "a line of two": ([{"kind": "within", "points": [[0, 0], [1, 0]]}], {}, "the outline to stay within must be 3 or more"),
     "newton with two goals": ([Rise(3.0), Volume(300.0)], {"method": "newton"}, "projection"),
-    "flow": ([Rise(3.0)], {"method": "flow"}, "only the method 'projection' holds constraints"),
+    "flow": ([Rise(3.0)], {"method": "flow"}, "only the method 'newton' or 'projection' or 'bending' holds constraints"),
 }
 
 

@@ -14,7 +14,6 @@ from ...meshing.checks import listed
 from ...model.constraint_data import as_goals
 from ...model.constraints import check_indices
 from ...model.goals.wholes import Unknown
-from ...model.goals.wholes import is_of_whole
 from ...model.laws import as_law
 from ...model.problem import CGCProblem
 from ...model.problem import Targets
@@ -227,11 +226,9 @@ def _check_goals(value: object, method: str, count: Optional[int]) -> None:
         raise Unprocessable("a constraint refers to a vertex that does not exist") from None
     except ValueError as error:
         raise Unprocessable(str(error)) from None
-    # Newton's method supports one goal of the whole surface; the number of goals is checked with the mesh.
-    if method == "newton" and all(map(is_of_whole, goals)):
-        return
-    if method != "auto" and not METHODS[method].holds_constraints:
-        able = " or ".join(own.name for own in METHODS.values() if own.holds_constraints)
+    # The number of goals is checked with the mesh.
+    if method != "auto" and not METHODS[method].takes(goals):
+        able = " or ".join(own.name for own in METHODS.values() if own.takes(goals))
         raise Unprocessable(f"only the method {able} supports constraints; use it, or auto")
 
 

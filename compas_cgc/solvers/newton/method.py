@@ -29,4 +29,5 @@ METHOD = Method(
     "The fastest on large meshes.",
     NewtonSettings,
     _solve,
+    goals="whole",
 )

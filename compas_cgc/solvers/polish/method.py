@@ -17,8 +17,11 @@ __all__ = ["METHOD"]
 
 def _solve(problem: CGCProblem, settings: PolishSettings, callback: Callback) -> Solution:
     # Loaded when it is used, so that help texts do not wait for compiled kernels.
+    from .goal_seeking import seek
     from .polisher import polish
 
+    if problem.goals:
+        return seek(problem, settings, callback)
     return polish(problem, settings=settings, callback=callback)
 
 
@@ -28,6 +31,7 @@ METHOD = Method(
     "refinement, up to creases and free edges.",
     PolishSettings,
     _solve,
+    goals="whole",
     any_sign=True,
     any_law=True,
 )

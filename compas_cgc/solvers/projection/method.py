@@ -27,6 +27,6 @@ METHOD = Method(
     "The fairest surface for K̄ of any sign, with free edges, creases and constraints.",
     ProjectionSettings,
     _solve,
-    holds_constraints=True,
+    goals="any",
     any_sign=True,
 )

@@ -114,7 +114,8 @@ def test_a_result_brings_its_goals_along(tmp_path):
     result = solve(roof(Rise(2.0), Unknown([0])))
     write_result(tmp_path / "out.3dm", result)
     again = read_3dm(tmp_path / "out.3dm").checked()
-    assert set(map(type, again.goals)) == {Rise, Unknown} and solve(again).iterations <= 2
+    assert set(map(type, again.goals)) == {Rise, Unknown}
+    assert np.abs(solve(again).vertices - result.vertices).max() < 1e-6
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -101,10 +102,16 @@ def test_nine_unknown_k_for_a_height_and_a_volume(height, content):
 
 def test_of_two_regions_one_is_given():
     problem = nine(12).with_targets(0.004)
-    result = solve(problem, goals=[Rise(2.0)], unknown=[4])
+    result = solve(problem, goals=[Rise(4.0)], unknown=[4])
     K = result.problem.region_targets()
     assert K[:4] == [0.004] * 4 and K[5:] == [0.004] * 4 and K[4] != 0.004
-    assert result.vertices[:, 2].max() == pytest.approx(2.0, abs=1e-11)
+    assert result.vertices[:, 2].max() == pytest.approx(4.0, abs=1e-8)
+
+
+def test_a_rise_that_needs_k_of_the_other_sign_is_refused_with_the_range():
+    result = solve(nine(12).with_targets(0.004), goals=[Rise(2.0)], unknown=[4])
+    assert result.status == "infeasible" and not result.verdict.fair
+    assert re.search(r"with K > 0 meets the goals: for the rise 2 the surface reaches 3\.\d+ instead of 2", result.message), result.message
 
 
 def test_without_goals_the_fairest_k_is_none():

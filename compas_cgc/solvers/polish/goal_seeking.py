@@ -1,0 +1,212 @@
+"""K of regions where it is unknown: Newton's method along the branch of least bending until the goals are met."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete import face_areas
+from ...discrete import face_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...errors import ProblemError
+from ...model.goals.binding import Equation
+from ...model.goals.binding import bind
+from ...model.goals.binding import unknown_regions
+from ...model.goals.contradictions import refuse_impossible
+from ...model.goals.guess import guessed
+from ...model.goals.wholes import Rise
+from ...model.problem import CGCProblem
+from ...model.recorder import Callback
+from ...model.result import Solution
+from ...model.roles import DUMMY
+from .derivatives import moves_by_curvature
+from .polisher import polish
+from .settings import PolishSettings
+
+__all__ = ["finds_curvature", "seek"]
+
+MOST, FIRST = 30, 8  # steps in K, and halvings of the K drawn until a first surface is found
+MET = 1e-9  # of a goal, against the power of the size that it has
+LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of log |K| in a step
+DECREASE = 1e-2  # part of the expected decrease that a step must bring
+FLAT = 1e-12  # derivative of the goals by log |K|, relative to the size, that is none
+
+
+class _Here(NamedTuple):
+    """A surface for some K, and what it lacks of the goals."""
+
+    logs: FloatArray  # (k,) log of K over that drawn, by unknown region
+    solution: Solution
+    missing: FloatArray  # (e,) values less those wanted, over the power of the size
+
+    @property
+    def distance(self) -> float:
+        return float(np.linalg.norm(self.missing))
+
+
+def finds_curvature(problem: CGCProblem) -> bool:
+    """Return whether all goals are quantities of the whole surface, no more of them than regions of unknown K, whose signs are drawn.
+
+    The sign of a single undrawn K is that of a dome.
+    """
+    unknown, bound = unknown_regions(problem), bind(problem)
+    plain = not bound.places and not bound.sides and not (problem.roles == DUMMY).any() and not problem.laws
+    return plain and 0 < len(bound.equations) <= len(unknown) and (len(unknown) == 1 or _has_targets(problem))
+
+
+def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = None) -> Solution:
+    """Return the surface of least bending whose K in regions of unknown K meets the goals of the whole surface.
+
+    The sign of K is that drawn. With fewer goals than unknown K these change as little as possible, by factors. Every
+    step solves for the change of log |K| with the exact derivatives of the surface by K, and follows the branch from there.
+
+    Parameters
+    ----------
+    problem
+        With goals of the whole surface, and regions of unknown K whose targets are the initial guess.
+    settings
+        As for :func:`polish`.
+    callback
+        Called after every step of every surface.
+
+    Raises
+    ------
+    ProblemError
+        If there are other goals, or more goals than regions of unknown K.
+    """
+    refuse_impossible(problem)
+    if not finds_curvature(problem):
+        kinds = "goals of the whole surface alone, at most one for each region of unknown K, whose initial guess is drawn"
+        raise ProblemError([f"the method bending takes {kinds}; use the method projection, or auto"])
+    return _Seeker(problem, settings, callback).run()
+
+
+class _Seeker:
+    """Surfaces for ever other K."""
+
+    def __init__(self, problem: CGCProblem, settings: PolishSettings, callback: Callback):
+        self.settings, self.callback = settings, callback
+        self.equations: tuple[Equation, ...] = bind(problem).equations
+        self.size = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()))
+        drawn = problem if _has_targets(problem) else guessed(problem)
+        drawn = replace(drawn, goals=())
+        self.problem = drawn.flipped() if _is_against_normals(problem) else drawn
+        self.numbers = unknown_regions(problem)
+        self.regions: list[IntArray] = [np.flatnonzero(problem.region_vertices(number)) for number in self.numbers]
+        self.steps, self.seconds = 0, 0.0
+
+    def run(self) -> Solution:
+        here = self._first()
+        if here.solution.status != "converged":
+            return self._ended(here, here.solution.status, here.solution.message)
+        for _ in range(MOST):
+            if np.abs(here.missing).max() <= MET:
+                return self._ended(here, "converged", f"{self._found(here)}, to meet {self._names()}; {here.solution.message}")
+            after = self._stepped(here)
+            if after is None:
+                return self._ended(here, "infeasible", self._unreachable(here))
+            if after.solution.status == "cancelled":
+                return self._ended(after, "cancelled", after.solution.message)
+            here = after
+        return self._ended(here, "step_limit", f"K was not found in {MOST} steps: {self._reached(here)}")
+
+    def _at(self, logs: FloatArray, start: Optional[FloatArray]) -> _Here:
+        """Return the surface for logs of K (k,), from another (n, 3) if there is one."""
+        posed = self._posed(logs)
+        solution = polish(posed, settings=self.settings, start=start, callback=self.callback)
+        self.steps, self.seconds = self.steps + solution.iterations, self.seconds + solution.seconds
+        if start is None and solution.branches:
+            # The goals say which of several branches is sought, such as the dome or the bowl.
+            nearest = min(solution.branches, key=lambda branch: float(np.linalg.norm(self._missing(branch.vertices))))
+            if nearest is not solution.branches[0]:
+                return self._at(logs, nearest.vertices)
+        return _Here(logs, solution, self._missing(solution.vertices))
+
+    def _first(self) -> _Here:
+        """Return a surface for the K drawn, or for a smaller one if there is none."""
+        logs = np.zeros(len(self.regions))
+        here = self._at(logs, None)
+        for _ in range(FIRST):
+            if here.solution.status in ("converged", "cancelled"):
+                break
+            logs = logs - LONGEST
+            here = self._at(logs, None)
+        return here
+
+    def _stepped(self, here: _Here) -> Optional[_Here]:
+        """Return the surface after the first of ever shorter steps that comes nearer to the goals; None without any."""
+        posed, V = self._posed(here.logs), here.solution.vertices
+        moves = moves_by_curvature(posed, self.settings, V, dict(enumerate(self.regions)))
+        by_log = [moves[k] * posed.targets[group[0]] for k, group in enumerate(self.regions)]
+        J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
+        if np.abs(J).max() <= FLAT:
+            return None
+        change = -np.linalg.pinv(J) @ here.missing
+        change *= min(1.0, LONGEST / float(np.abs(change).max()))
+        while np.abs(change).max() >= SHORTEST * min(1.0, here.distance):
+            start = V + sum(part * move for part, move in zip(change, by_log))
+            there = self._at(here.logs + change, start)
+            if there.solution.status == "cancelled":
+                return there
+            # Beyond a fair surface another may be as high, with folds.
+            sound = there.solution.status == "converged" and (_is_fair(there) or not _is_fair(here))
+            if sound and there.distance <= (1.0 - DECREASE) * here.distance:
+                return there
+            change = 0.5 * change
+        return None
+
+    def _posed(self, logs: FloatArray) -> CGCProblem:
+        targets = self.problem.targets.copy()
+        for log, group in zip(logs.tolist(), self.regions):
+            targets[group] *= math.exp(log)
+        return replace(self.problem, targets=targets)
+
+    def _missing(self, vertices: FloatArray) -> FloatArray:
+        return np.array([(own.value(vertices) - own.wanted) / self.size**own.power for own in self.equations])
+
+    def _ended(self, here: _Here, status: str, message: str) -> Solution:
+        targets = self._posed(here.logs).targets
+        judged = here.solution.verdict if status == "converged" else None
+        taken = {"iterations": self.steps, "seconds": self.seconds}
+        return here.solution._replace(status=status, message=message, targets=targets, verdict=judged, **taken)
+
+    def _names(self) -> str:
+        return " and ".join(own.name for own in self.equations)
+
+    def _found(self, here: _Here) -> str:
+        found = [float(self._posed(here.logs).targets[group[0]]) for group in self.regions]
+        if len(found) == 1:
+            return f"K = {found[0]:.6g} was found for region {self.numbers[0]}"
+        return f"K from {min(found):.4g} to {max(found):.4g} was found for {len(found)} regions"
+
+    def _reached(self, here: _Here) -> str:
+        values = ", ".join(f"{own.value(here.solution.vertices):.4g} instead of {own.wanted:.4g}" for own in self.equations)
+        K = [f"{self._posed(here.logs).targets[group[0]]:.4g}" for group in self.regions]
+        return f"for {self._names()} the surface reaches {values}, with K = {', '.join(K)}"
+
+    def _unreachable(self, here: _Here) -> str:
+        sign = "K > 0" if self.problem.targets[self.regions[0][0]] > 0.0 else "K < 0"
+        mend = "ask for a value that is reached, or draw K of the other sign"
+        return f"no surface over these supports with {sign} meets the goals: {self._reached(here)}; {mend}"
+
+
+def _is_fair(here: _Here) -> bool:
+    return here.solution.verdict is not None and here.solution.verdict.fair
+
+
+def _is_against_normals(problem: CGCProblem) -> bool:
+    """Return whether a rise lies on the other side of the drawing than its normals."""
+    rises = [own.rise for own in problem.goals if isinstance(own, Rise)]
+    normal = float(face_areas(problem.vertices, problem.faces) @ face_normals(problem.vertices, problem.faces)[:, 2])
+    return any(rise * normal < 0.0 for rise in rises)
+
+
+def _has_targets(problem: CGCProblem) -> bool:
+    """Return whether K is drawn in every region, and is not zero where it is unknown."""
+    drawn = np.isfinite(problem.targets[problem.asked]).all()
+    return bool(drawn and all((problem.targets[problem.region_vertices(region)] != 0.0).all() for region in unknown_regions(problem)))
