@@ -146,13 +146,15 @@ def _nearest(sensitivities: Sensitivities, mass: FloatArray) -> FloatArray:
 
 
 def finished(moves: NormalMoves, placed: Placed) -> Placed:
-    """Return an assignment with its surface solved to rounding."""
+    """Return an assignment with its surface solved to rounding; moulds that are flat within it have K = 0."""
+    values = placed.assigned.values
+    assigned = replace(placed.assigned, values=np.where(np.abs(values) * moves.size**2 <= DONE, 0.0, values))
     here = placed.moves
     for _ in range(FINISHING):
-        if moves.error(here, placed.assigned.K) <= DONE:
+        if moves.error(here, assigned.K) <= DONE:
             break
-        here = moves.step(here, placed.assigned.K)
-    return Placed(placed.assigned, here, _norm(moves, here))
+        here = moves.step(here, assigned.K)
+    return Placed(assigned, here, _norm(moves, here))
 
 
 def evened(moves: NormalMoves, placed: Placed) -> Placed:

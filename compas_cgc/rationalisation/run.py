@@ -226,9 +226,7 @@ def _result(
 ) -> Rationalised:
     """Return an assignment with its surface solved in the exact measure."""
     done = finished(moves, best if stop.stopped else evened(moves, best))
-    used, classes = np.unique(done.assigned.classes, return_inverse=True)
-    order = np.argsort(done.assigned.values[used], kind="stable")
-    curvatures, classes = done.assigned.values[used][order], np.argsort(order)[classes]
+    curvatures, classes = np.unique(done.assigned.K, return_inverse=True)
     solved = _solved(design, panelling, moves, fixed, curvatures[classes], moves.shape(done.moves))
     found = Rationalised(solved, curvatures, classes, panelling, design, within, stop.stopped)
     if within is not None and not found.kept and not stop.stopped:

@@ -184,3 +184,4 @@ def test_wrong_arguments_are_refused_with_a_remedy():
 def test_a_flat_design_is_kept_as_it_is():
     own = compas_cgc.rationalise(mesh_over(lambda x, y: 0.0 * x, 4.0, 4.0, 0.5), panel=2.0, edges=3, moulds=2)
     assert own.status == "kept" and own.distance.largest < 1e-9
+    assert own.curvatures.tolist() == [0.0] and own.result.verdict.fair
