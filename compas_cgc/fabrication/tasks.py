@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any
 from typing import Callable
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from ..model.problem import PosesProblem
 from . import option_values as values
 from .materials import MATERIALS
 
-__all__ = ["TASKS", "BuildOption", "Task", "build", "file_options", "read_settings"]
+__all__ = ["TASKS", "BuildOption", "Task", "build", "file_options", "read_options", "read_settings"]
 
 
 class BuildOption(NamedTuple):
@@ -404,7 +405,25 @@ def read_settings(task: str, given: Mapping[str, object], called: Optional[Mappi
     CGCError
         If an option is unknown or its value is invalid.
     """
-    options = {own.name: own for own in TASKS[task].options}
+    return read_options(TASKS[task].options, given, called)
+
+
+def read_options(table: Sequence[BuildOption], given: Mapping[str, object], called: Optional[Mapping[str, str]] = None) -> dict[str, Any]:
+    """Return the parsed values of options by name; None values are left out.
+
+    Parameters
+    ----------
+    table
+        The options.
+    given, called
+        As in :func:`read_settings`.
+
+    Raises
+    ------
+    CGCError
+        If an option is unknown or its value is invalid.
+    """
+    options = {own.name: own for own in table}
     unknown = [name for name in given if name not in options]
     if unknown:
         raise CGCError(f"there is no option {unknown[0]!r:.60}; options are {', '.join(options)}")

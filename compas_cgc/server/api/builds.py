@@ -1,4 +1,4 @@
-"""Builds: jobs that derive something from a solved surface, such as moulds, or search for its limits.
+"""Builds: jobs that derive something from a solved surface, such as moulds, and searches.
 
 The result of a build is an archive of files: the data as JSON, and one file for every other format.
 """
@@ -12,13 +12,15 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from typing import Union
 
 from ...errors import CGCError
 from ...execution.worker import report
 from ...fabrication.plain_data import build_data
-from ...fabrication.plain_data import plain
 from ...fabrication.tasks import TASKS
+from ...fabrication.tasks import Task
 from ...fabrication.tasks import build
+from ...fabrication.tasks import read_options
 from ...fabrication.tasks import read_settings
 from ...io.builds import write_build
 from ...io.formats import MEDIA_TYPES
@@ -26,42 +28,35 @@ from ...io.formats import OUTPUTS
 from ...model.problem import CGCProblem
 from ..errors import Unprocessable
 from ..limits import Limits
+from .searches import SEARCHES
+from .searches import Search
 
 __all__ = ["BUILD_FORMATS", "SOLVE", "TASK_NAMES", "build_file", "built", "check_build", "is_build", "tasks"]
 
-SOLVE, LIMITS = "solve", "limits"
-TASK_NAMES = (SOLVE, *TASKS, LIMITS)
+SOLVE = "solve"
+TASK_NAMES = (SOLVE, *TASKS, *SEARCHES)
 BUILD_FORMATS = {
     "arrays": MEDIA_TYPES[".json"],
     **{suffix[1:]: MEDIA_TYPES[Path(suffix).suffix or suffix] for suffixes in OUTPUTS.values() for suffix in suffixes},
 }
 _MARK = b"CGC build\n"
 _STAGES = 3  # read, make, write
-_LIMITS_TEXT = "Scale all targets by a common factor and report the largest factor for which a fair surface exists."
-_LIMITS_OPTIONS = {
-    "tolerance": {
-        "type": "number",
-        "exclusiveMinimum": 0,
-        "exclusiveMaximum": 1,
-        "default": 0.02,
-        "description": "relative accuracy of the reported limit",
-    }
-}
 
 
 def tasks() -> list[dict]:
     """Return every task except the solve, with its description, options and result formats."""
-    built = [
+    formats = {own.name: [suffix[1:] for suffix in OUTPUTS[own.name]] for own in TASKS.values()}
+    formats.update({own.name: list(own.formats) for own in SEARCHES.values()})
+    own_tasks: list[Union[Task, Search]] = [*TASKS.values(), *SEARCHES.values()]
+    return [
         {
             "name": own.name,
             "text": own.text,
             "options": [{"name": option.name, **option.schema, "description": option.text} for option in own.options],
-            "formats": ["arrays", *(suffix[1:] for suffix in OUTPUTS[own.name])],
+            "formats": ["arrays", *formats[own.name]],
         }
-        for own in TASKS.values()
+        for own in own_tasks
     ]
-    options = [{"name": name, **schema} for name, schema in _LIMITS_OPTIONS.items()]
-    return [*built, {"name": LIMITS, "text": _LIMITS_TEXT, "options": options, "formats": ["arrays"]}]
 
 
 def check_build(task: str, settings: object, limits: Limits) -> dict[str, Any]:
@@ -81,15 +76,7 @@ def check_build(task: str, settings: object, limits: Limits) -> dict[str, Any]:
 
 def _read(task: str, given: Mapping[str, Any]) -> dict[str, Any]:
     try:
-        if task != LIMITS:
-            return read_settings(task, given)
-        unknown = sorted(set(given) - set(_LIMITS_OPTIONS))
-        if unknown:
-            raise Unprocessable(f"unknown option {unknown[0]!r:.60}; the options are {', '.join(_LIMITS_OPTIONS)}")
-        tolerance = given.get("tolerance", 0.02)
-        if isinstance(tolerance, bool) or not isinstance(tolerance, (int, float)) or not 0.0 < tolerance < 1.0:
-            raise Unprocessable(f"'tolerance' must be between 0 and 1, not {tolerance!r:.60}")
-        return {"tolerance": float(tolerance)}
+        return read_settings(task, given) if task in TASKS else read_options(SEARCHES[task].options, given)
     except CGCError as error:
         raise Unprocessable(str(error)) from None
 
@@ -104,12 +91,10 @@ def built(task: str, problem: CGCProblem, given: Mapping[str, Any], notes: list[
     """
     settings = _read(task, given)
     report({"task": task, "stage": "build", "step": 1, "steps": _STAGES})
-    if task == LIMITS:
-        from ...solvers.limits import largest_target
-
-        limit = largest_target(problem, **settings)
-        data = plain({**limit.to_dict(), "text": limit.message, "notes": notes, "task": task, "formats": ["arrays"]})
-        return limit.message, _archive({"arrays": _encoded(data)})
+    if task in SEARCHES:
+        found = SEARCHES[task].run(problem, settings)
+        data = {**found.data, "notes": notes, "task": task, "formats": ["arrays", *found.files]}
+        return found.message, _archive({"arrays": _encoded(data), **found.files})
     made = build(task, problem, settings)
     report({"task": task, "stage": "write", "step": 2, "steps": _STAGES})
     files = _files(task, problem, made, settings)

@@ -273,7 +273,7 @@ def drawing_schema() -> dict:
 def build_schema() -> dict:
     """Return the schema of a request for a task on a solved surface, given as a mesh or as the job that solved it."""
     properties = {name: schema for name, schema in request_schema()["properties"].items() if name not in ("method", "live", "last")}
-    task = {"enum": list(TASK_NAMES[1:]), "description": "see /api/v1/tasks; all except limits require a solved surface"}
+    task = {"enum": list(TASK_NAMES[1:]), "description": "see /api/v1/tasks; all except limits and rationalise require a solved surface"}
     job = {"type": "string", "description": "id of the job whose result is used instead of a mesh"}
     settings = {"anyOf": [_settings_of(own) for own in tasks()]}
     return {

@@ -25,6 +25,7 @@ from compas_cgc.fabrication.panelling import panels as divided
 
 from ...support.constant_curvature import cone
 from ...support.constant_curvature import revolved_patch
+from ...support.freeform import mesh_over
 from ...support.server_process import KEY
 from ...support.shapes import grid
 
@@ -145,9 +146,19 @@ def test_limits_tell_a_slider_where_to_end(client):
     assert told["status"] == "found" and told["target"] > 0 and "these supports carry" in told["text"]
 
 
+def test_a_design_becomes_panels_on_few_moulds(client):
+    vertices, quads = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2, 8.0, 4.0, 0.5)
+    found = client.build("rationalise", vertices, np.array(quads), settings={"panel": 2.0, "moulds": 2, "edges": 3})
+    assert found["status"] == "kept" and found["moulds"] == 2 and found["panels"] == 8
+    assert np.abs(found["distances"]).max() == pytest.approx(found["distance"]["max"])
+    assert len(found["panel_of_face"]) == len(found["faces"]) and found["formats"] == ["arrays", "3dm"]
+    with pytest.raises((Failed, Refused), match="panel"):
+        client.build("rationalise", vertices, np.array(quads), settings={"panel": -2.0})
+
+
 def test_the_list_of_tasks_is_the_table(client):
     found = {own["name"]: own for own in client.tasks()}
-    assert set(found) == {"mould", "unroll", "membrane", "net", "limits"}
+    assert set(found) == {"mould", "unroll", "membrane", "net", "limits", "rationalise"}
     along = next(own for own in found["mould"]["options"] if own["name"] == "along")
     assert along["enum"] == list(ALONG) and found["unroll"]["formats"] == [
         *("arrays", "dxf", "svg", "csv", "3dm", "list.csv", "plan.dxf", "plan.svg", "zip")
@@ -157,7 +168,9 @@ def test_the_list_of_tasks_is_the_table(client):
 @pytest.mark.parametrize(
     "body, sentence",
     [
-        ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, limits"),
+        ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, limits, rationalise"),
+        ({"task": "rationalise", "settings": {"seams": "x"}}, "'seams' must be one of grid, levels"),
+        ({"task": "rationalise", "settings": {"mould": 3}}, "there is no option 'mould'"),
         ({"task": ["net"]}, "'task' must be one of"),
         ({"task": "unroll", "settings": {"sheet": "large"}}, "'sheet' must be LENGTHxWIDTH"),
         ({"task": "unroll", "settings": {"strain": "much"}}, "'strain' must be a number"),

@@ -1,0 +1,154 @@
+"""Tasks of the server that solve: the largest curvature of a drawing, and a freeform design on few moulds."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from typing import Callable
+from typing import NamedTuple
+
+from ...errors import CGCError
+from ...execution.worker import report
+from ...execution.worker import stop_wanted
+from ...fabrication import option_values as values
+from ...fabrication.plain_data import plain
+from ...fabrication.tasks import BuildOption
+from ...model.problem import CGCProblem
+
+__all__ = ["SEARCHES", "Found", "Search"]
+
+SEAMS = ("grid", "levels")
+SUPPORTS = ("corners", "boundary", "none")
+_LENGTH = {"type": "number", "exclusiveMinimum": 0, "maximum": values.LARGEST}
+
+
+class Found(NamedTuple):
+    """Result of a search."""
+
+    message: str
+    data: dict  # ready for JSON
+    files: Mapping[str, bytes] = {}  # by format
+
+
+class Search(NamedTuple):
+    """Task on a drawing or a design that has not been solved."""
+
+    name: str
+    text: str
+    options: tuple[BuildOption, ...]
+    formats: tuple[str, ...]  # besides arrays
+    run: Callable[[CGCProblem, Mapping[str, Any]], Found]
+
+
+def _share(value: object, name: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < 1.0:
+        raise CGCError(f"{name} must be between 0 and 1, not {value!r:.60}")
+    return float(value)
+
+
+def _one_of(names: tuple[str, ...]) -> Callable[[object, str], str]:
+    def read(value: object, name: str) -> str:
+        if value not in names:
+            raise CGCError(f"{name} must be one of {', '.join(names)}, not {value!r:.60}")
+        return str(value)
+
+    return read
+
+
+def _limits(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
+    from ...solvers.limits import largest_target
+
+    limit = largest_target(problem, **settings)
+    return Found(limit.message, {**limit.to_dict(), "text": limit.message})
+
+
+def _rationalised(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
+    from ...io.rhino.panel_layers import PanelClasses
+    from ...io.rhino.panel_layers import write_panels
+    from ...rationalisation import rationalise
+    from ...rationalisation import read_design
+    from ...rationalisation.run import Progress
+
+    def watch(state: Progress) -> bool:
+        report({"task": "rationalise", "stage": "build", "step": state.done, "steps": state.rounds, "distance": state.distance})
+        return stop_wanted()
+
+    own = problem.without_dummies()
+    held = {} if "supports" in settings or not len(own.supports) else {"supports": own.vertices[own.supports]}
+    given = {"moulds": None if "within" in settings else 4, **settings, **held}
+    found = rationalise(read_design((own.vertices, own.faces))._replace(drawing=own.drawing), callback=watch, **given)
+    arrays = {
+        "vertices": found.result.vertices,
+        "faces": found.result.problem.faces,
+        "panel_of_face": found.panels,
+        "distances": found.distance.signed,  # at vertices [L]
+        "seams": found.panelling.seams,
+    }
+    data = {**plain(found.to_dict()), **{name: array.tolist() for name, array in arrays.items()}, "text": found.summary}
+    record = json.dumps(plain(found.to_dict()), ensure_ascii=False)
+    classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "panels.3dm"
+        write_panels(path, found.result, classes, {"compas_cgc.rationalised": record})
+        return Found(found.summary.splitlines()[0], data, {"3dm": path.read_bytes()})
+
+
+SEARCHES: dict[str, Search] = {
+    own.name: own
+    for own in (
+        Search(
+            "limits",
+            "Scale all targets by a common factor and report the largest factor for which a fair surface exists.",
+            (
+                BuildOption(
+                    "tolerance",
+                    "relative accuracy of the reported limit",
+                    _share,
+                    {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1, "default": 0.02},
+                ),
+            ),
+            (),
+            _limits,
+        ),
+        Search(
+            "rationalise",
+            "Find the surface nearest to a freeform design whose panels come off few moulds.",
+            (
+                BuildOption(
+                    "moulds",
+                    "number of moulds (default: 4, or the fewest that keep the distance within)",
+                    values.whole,
+                    {"type": "integer", "minimum": 1, "maximum": 64},
+                ),
+                BuildOption("panel", "width of the panels (default: a twelfth of the longer side)", values.number, _LENGTH),
+                BuildOption("within", "largest distance from the design", values.number, _LENGTH),
+                BuildOption(
+                    "flat", "whether one mould is flat (default: whichever is nearer to the design)", values.truth, {"type": "boolean"}
+                ),
+                BuildOption(
+                    "seams",
+                    "grid along the plan, or levels of K for few regions (default: grid)",
+                    _one_of(SEAMS),
+                    {"enum": list(SEAMS), "default": SEAMS[0]},
+                ),
+                BuildOption(
+                    "supports",
+                    "what is held (default: the supports of the drawing, or the corners)",
+                    _one_of(SUPPORTS),
+                    {"enum": list(SUPPORTS)},
+                ),
+                BuildOption(
+                    "edges",
+                    "edges of the mesh along the side of a panel (default: 4 or more)",
+                    values.whole,
+                    {"type": "integer", "minimum": 2, "maximum": 20},
+                ),
+            ),
+            ("3dm",),
+            _rationalised,
+        ),
+    )
+}
