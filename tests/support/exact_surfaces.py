@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from scipy.spatial import Delaunay
 
 from compas_cgc.model.laws import ConstantMeanCurvature
@@ -148,6 +149,24 @@ def parallel_of_pseudosphere(distance: float = 0.25) -> Surface:
     return Surface(point, (0.35, 0.35), (0.85, 0.85), LinearWeingarten(-2.0 * distance, 1.0 + distance**2, -1.0))
 
 
+def parallel_of_spindle(distance: float = 0.3, radius: float = 1.4) -> Surface:
+    """Return a patch of a surface parallel to the surface of revolution r = radius cos s of K = 1, by arc length s."""
+    fine = np.linspace(-0.7, 0.7, 100_001)
+    slope = np.sqrt(1.0 - (radius * np.sin(fine)) ** 2)
+    heights = CubicSpline(fine, slope).antiderivative()
+
+    def profile(s):
+        # The normal outwards is (z', -r').
+        return radius * np.cos(s) + distance * np.sqrt(1 - (radius * np.sin(s)) ** 2), heights(s) + distance * radius * np.sin(s)
+
+    def point(u, v):
+        r, z = profile(u)
+        return r * np.cos(-v), r * np.sin(-v), z
+
+    # 1 = K of the first surface = K' / (1 - 2 d H' + d² K').
+    return Surface(point, (-0.4, 0.0), (0.5, 0.8), LinearWeingarten(2.0 * distance, 1.0 - distance**2, 1.0))
+
+
 SURFACES = {
     "catenoid": catenoid,
     "helicoid": helicoid,
@@ -156,4 +175,5 @@ SURFACES = {
     "cylinder": cylinder,
     "unduloid": unduloid,
     "nodoid": nodoid,
+    "parallel of a spindle": parallel_of_spindle,
 }

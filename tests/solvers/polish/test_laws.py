@@ -13,9 +13,11 @@ from compas_cgc.model.laws import Shape
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.polisher import polish
 from compas_cgc.solvers.polish.posed import posed
+from compas_cgc.solvers.polish.settings import PolishSettings
 from compas_cgc.solvers.polish.starts import starts
 
 from ...support.exact_surfaces import SURFACES
+from ...support.exact_surfaces import parallel_of_pseudosphere
 from ...support.exact_surfaces import sphere
 
 
@@ -64,7 +66,7 @@ def _error(surface, n: int, irregular: bool, law=None) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("irregular", [False, True], ids=["regular", "irregular"])
-@pytest.mark.parametrize("name", ["catenoid", "sphere"])
+@pytest.mark.parametrize("name", ["catenoid", "sphere", "parallel of a spindle"])
 def test_the_error_is_of_second_order(name, irregular):
     errors = [_error(SURFACES[name](), n, irregular)[0] for n in (8, 16)]
     assert np.log2(errors[0] / errors[1]) > 1.8
@@ -78,6 +80,20 @@ def test_exact_surfaces_under_refinement(name, irregular):
     orders = np.log2([errors[k][0] / errors[k + 1][0] for k in range(2)])
     assert orders.min() > 1.8, orders
     assert errors[-1][1] < 1e-4  # at 2,025 vertices
+
+
+@pytest.mark.parametrize("irregular", [False, True], ids=["regular", "irregular"])
+def test_a_hyperbolic_law_between_two_characteristic_supports(irregular):
+    surface = parallel_of_pseudosphere()
+    V, F, uv = surface.patch(16, irregular)
+    t = (uv - surface.low) / np.subtract(surface.high, surface.low)
+    size = float(np.ptp(V, axis=0).max())
+    # Two adjacent asymptotic lines of the pseudosphere determine the surface (Goursat's problem).
+    off = 0.02 * size * 4 * np.prod(t, axis=1) * (1 - 0.5 * t[:, 0])
+    problem = CGCProblem(V + off[:, None] * vertex_normals(V, F), F).with_supports(np.flatnonzero((t < 1e-9).any(axis=1)).tolist())
+    solution = polish(problem.with_laws({0: surface.law}), settings=PolishSettings(keep="plan", steps=200))
+    assert solution.status == "converged", solution.message
+    assert surface.distances(solution.vertices, uv).max() < 2e-3 * size
 
 
 @pytest.mark.parametrize("law", [None, TotalCurvature(2 / 1.3**2)], ids=["linear", "nonlinear"])

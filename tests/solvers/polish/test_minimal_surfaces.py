@@ -108,8 +108,8 @@ def _coons(rng, spatial: bool):
     return at
 
 
-def _least_area(V, F, directions) -> float:
-    """Return the least area of the triangles with vertices moving along directions, by a fixed point of cotangent weights."""
+def _least_area(V, F, directions):
+    """Return the vertices of least area of the triangles, moving along directions, by a fixed point of cotangent weights."""
     free, W, n = ~boundary_vertices(V, F), V.copy(), len(V)
     for _ in range(300):
         rows, columns, values = [], [], []
@@ -126,7 +126,7 @@ def _least_area(V, F, directions) -> float:
         W[free] += step[:, None] * directions[free]
         if np.abs(step).max() < 1e-9:
             break
-    return float(face_areas(W, F).sum())
+    return W
 
 
 @pytest.mark.nightly
@@ -140,5 +140,8 @@ def test_a_soap_film_over_a_random_curve_has_the_least_area(seed):
         solution = polish(CGCProblem(V, F).with_supports("boundary").with_laws("minimal"))
         assert solution.status == "converged"
         ours.append(float(face_areas(solution.vertices, F).sum()))
-        theirs.append(_least_area(V, F, vertex_normals(V, F) if seed % 2 == 1 else np.tile([0.0, 0.0, 1.0], (len(V), 1))))
+        least = V
+        for _ in range(4 if seed % 2 == 1 else 1):
+            least = _least_area(least, F, vertex_normals(least, F) if seed % 2 == 1 else np.tile([0.0, 0.0, 1.0], (len(V), 1)))
+        theirs.append(float(face_areas(least, F).sum()))
     assert _extrapolated(sizes, ours) == pytest.approx(_extrapolated(sizes, theirs), rel=1e-5)
