@@ -29,6 +29,7 @@ from compas_cgc.plot import draw_shape
 from compas_cgc.plot import draw_zebra
 from compas_cgc.plot import moulds_figure
 from compas_cgc.plot import save
+from compas_cgc.plot import studio
 from compas_cgc.rationalisation import panels_figure
 from compas_cgc.solvers.run import solve
 
@@ -236,13 +237,25 @@ def goals() -> None:
     put_table(DOCS / "goals.md", rows)
 
 
+def laws() -> None:
+    """Draw the roof with several laws, with the code of its page."""
+    code = re.findall(r"```python\n(.*?)```", (DOCS / "laws.md").read_text(encoding="utf-8"), re.DOTALL)[0]
+    names: dict[str, Any] = {}
+    exec(code, names)
+    solved = names["result"].problem
+    save(
+        studio(solved.vertices, solved.faces, solved.roles, solved.creases, view=View(-62.0, 24.0, 2.4), width=1200),
+        DOCS / "images" / "laws.png",
+    )
+
+
 def samples() -> None:
     """Write the sample drawings into the package."""
     for name, mesh in drawings.samples().items():
         write(DOCS.parent / "compas_cgc" / "_sample_files" / f"{name}.3dm", mesh)
 
 
-PARTS = (fairness, convention, moulds, goals, courts, freeform, reproduction)
+PARTS = (fairness, convention, moulds, goals, laws, courts, freeform, reproduction)
 
 if __name__ == "__main__":
     for part in [*map(globals().get, sys.argv[1:])] or PARTS:

@@ -108,10 +108,10 @@ def _coons(rng, spatial: bool):
     return at
 
 
-def _least_area(V, F, directions):
-    """Return the vertices of least area of the triangles, moving along directions, by a fixed point of cotangent weights."""
+def _least_area(V, F, directions=None, steps=300):
+    """Return the vertices of least area of the triangles, moving along directions or freely, by a fixed point of cotangent weights."""
     free, W, n = ~boundary_vertices(V, F), V.copy(), len(V)
-    for _ in range(300):
+    for _ in range(steps):
         rows, columns, values = [], [], []
         for k in range(3):
             i, j, o = F[:, (k + 1) % 3], F[:, (k + 2) % 3], F[:, k]
@@ -121,6 +121,9 @@ def _least_area(V, F, directions):
             columns += [j, i, i, j]
             values += [-cot, -cot, cot, cot]
         L = sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (n, n))
+        if directions is None:
+            W[free] = splu(L[free][:, free].tocsc()).solve(-(L[free][:, ~free] @ W[~free]))
+            continue
         along = sum(sparse.diags(d) @ L @ sparse.diags(d) for d in directions.T).tocsr()[free][:, free]
         step = splu(along.tocsc()).solve(-np.einsum("nx,nx->n", directions, L @ W)[free])
         W[free] += step[:, None] * directions[free]
@@ -140,8 +143,7 @@ def test_a_soap_film_over_a_random_curve_has_the_least_area(seed):
         solution = polish(CGCProblem(V, F).with_supports("boundary").with_laws("minimal"))
         assert solution.status == "converged"
         ours.append(float(face_areas(solution.vertices, F).sum()))
-        least = V
-        for _ in range(4 if seed % 2 == 1 else 1):
-            least = _least_area(least, F, vertex_normals(least, F) if seed % 2 == 1 else np.tile([0.0, 0.0, 1.0], (len(V), 1)))
+        near = _least_area(V, F, steps=10) if seed % 2 == 1 else V
+        least = _least_area(near, F, vertex_normals(near, F) if seed % 2 == 1 else np.tile([0.0, 0.0, 1.0], (len(V), 1)))
         theirs.append(float(face_areas(least, F).sum()))
     assert _extrapolated(sizes, ours) == pytest.approx(_extrapolated(sizes, theirs), rel=1e-5)
