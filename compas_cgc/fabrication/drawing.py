@@ -127,9 +127,10 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
     texts: list[Text] = []
     for number, origin in origins.items():
         if patterns.sheet is not None:
-            corners = np.array([[0, 0], [length, 0], [length, width], [0, width]], dtype=np.float64)
+            x, y = patterns.sheet_sizes[number]
+            corners = np.array([[0, 0], [x, 0], [x, y], [0, y]], dtype=np.float64)
             lines.append(Line("SHEET", corners + origin, True))
-            texts.append(Text("SHEET", _title(patterns, number), origin + [0.5 * length, width + 2.0 * height], 2.0 * height))
+            texts.append(Text("SHEET", _title(patterns, number), origin + [0.5 * x, y + 2.0 * height], 2.0 * height))
     names = patterns.patchwork.names
     ticked: list[set[int]] = [set() for _ in patterns.pieces]
     for seam in patterns.seams:
@@ -169,7 +170,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
 
 def _title(patterns: Patterns, number: int) -> str:
     """Return the title of a sheet: number, size, pieces and visible side."""
-    size = in_mm(patterns.sheet or _extent(patterns), patterns.problem.drawing.units)
+    size = in_mm(patterns.sheet_sizes[number], patterns.problem.drawing.units)
     labels = ", ".join(piece.label for piece in patterns.pieces if piece.sheet == number)
     return f"sheet {number + 1} of {patterns.sheets}, {size}: {labels}; seen from outside"
 

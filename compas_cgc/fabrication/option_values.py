@@ -23,6 +23,7 @@ __all__ = [
     "points",
     "region_numbers",
     "sheet",
+    "sheets",
     "strain",
     "text",
     "truth",
@@ -92,6 +93,15 @@ def sheet(value: object, what: str) -> Sheet:
     if length is None or width is None:
         raise CGCError(f"{what} must be LENGTHxWIDTH, such as 3.0x1.5 or 3000x1500mm, not {_short(value)}")
     return Sheet(length, width, unit)
+
+
+def sheets(value: object, what: str) -> list[Sheet]:
+    """Return one or several sheets, such as ``3.0x1.5,2.5x1.25``, ``[3.0, 1.5]`` or ``[[3.0, 1.5], [2.5, 1.25]]``."""
+    if isinstance(value, str):
+        return [sheet(part, what) for part in value.split(",")]
+    if isinstance(value, (list, tuple)) and value and all(isinstance(part, (str, list, tuple)) for part in value):
+        return [sheet(part, what) for part in value]
+    return [sheet(value, what)]
 
 
 def _of_sheet(value: object) -> tuple[list[str], Optional[str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from dataclasses import field
 from typing import NamedTuple
 from typing import Optional
 
@@ -28,6 +29,7 @@ from .patchwork import Patchwork
 from .patchwork import mates
 from .patchwork import outline_sides
 from .piece_strains import strains_of
+from .placing import Placed
 from .rulings import Ruling
 from .rulings import Straightness
 from .stock import Stock
@@ -87,6 +89,8 @@ class Patterns:
         Straightness of the rulings, by region.
     stock
         Sheet size, spacing, margin and allowance.
+    sheet_sizes
+        Length and width of every sheet [L]; empty for unlimited sheets.
 
     Examples
     --------
@@ -107,10 +111,11 @@ class Patterns:
     rulings: list[Ruling]  # of unrolled regions
     straightness: dict[int, Straightness]  # of the rulings, by region
     stock: Stock  # sheet size, spacing, margin and allowance
+    sheet_sizes: list[tuple[float, float]] = field(default_factory=list)  # of every sheet [L]; empty for unlimited sheets
 
     @property
     def sheet(self) -> Optional[tuple[float, float]]:
-        """Length and width of the sheets [L]; None if unlimited."""
+        """Length and width of the largest sheets [L]; None if unlimited."""
         return self.stock.sheet
 
     @property
@@ -147,9 +152,10 @@ class Patterns:
             f"flat area {area} m², area in space {in_space} m² (relative difference {abs(self.area / self.area_in_space - 1.0):.1e})"
         ]
         if self.sheet is not None:
-            used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])
-            many = "" if self.sheets == 1 else "s"
-            lines.append(f"{self.sheets} sheet{many} of {in_mm(self.sheet, units)}, {100 * used:.0f} % used")
+            used = self.area / sum(length * width for length, width in self.sheet_sizes)
+            counts = [(self.sheet_sizes.count(size), size) for size in sorted(set(self.sheet_sizes), reverse=True)]
+            sheets = ", ".join(f"{count} sheet{'' if count == 1 else 's'} of {in_mm(size, units)}" for count, size in counts)
+            lines.append(f"{sheets}, {100 * used:.0f} % used")
         free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.allowance, "around pieces")]
         lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
         lines.append(f"largest length difference between the sides of a seam: {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
@@ -186,15 +192,14 @@ def refuse_others(patterns: object, what: str, call: str) -> None:
 
 def patterns_of(
     problem: CGCProblem,
-    own: Patchwork,
-    on_sheet: list[int],
+    placed: Placed,
     unrollings: list[Unrolling],
-    stock: Stock,
     rulings: list[Ruling],
     straightness: dict[int, Straightness],
     names: Sequence[str] = (),
 ) -> Patterns:
     """Return the patterns of pieces that lie on sheets; pieces have the names given, or a letter for the region and a number."""
+    own, on_sheet, sizes, stock = placed
     loops = outline_loops(own)
     strains = strains_of(own, np.ones(len(own.faces), bool))
     areas = face_areas(own.space, own.faces)
@@ -210,7 +215,7 @@ def patterns_of(
         strip = widened([loop.points for loop in loops[piece]], stock.allowance)
         pieces.append(Piece(label, region, on_sheet[piece], loops[piece], area, float(in_space[piece]), float(largest[piece]), strip))
     seams, folds = seams_between(own), _folds(problem, own)
-    return Patterns(problem, own, pieces, seams, unrollings, strains, folds, rulings, straightness, stock)
+    return Patterns(problem, own, pieces, seams, unrollings, strains, folds, rulings, straightness, stock, sizes)
 
 
 def _folds(problem: CGCProblem, own: Patchwork) -> FloatArray:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
 from typing import NamedTuple
 from typing import Optional
+from typing import Union
 
 import numpy as np
 
@@ -23,33 +26,50 @@ class Stock(NamedTuple):
     spacing: Optional[float]  # between pieces [L]; None until known for unlimited sheets
     margin: float  # along the edges of a sheet [L]
     allowance: float  # around every piece [L]
+    smaller: tuple[tuple[float, float], ...] = ()  # length and width of further sheets, the smallest first [L]
+    grain: Optional[tuple[float, float]] = None  # direction in plan along the length of the sheets; None for any
 
     @property
     def room(self) -> tuple[float, float]:
         """Length and width of a sheet inside its margins [L]."""
-        return (np.inf, np.inf) if self.sheet is None else (self.sheet[0] - 2 * self.margin, self.sheet[1] - 2 * self.margin)
+        return self.inside(self.sheet)
+
+    def inside(self, sheet: Optional[tuple[float, float]]) -> tuple[float, float]:
+        """Return length and width of a sheet inside its margins [L]."""
+        return (np.inf, np.inf) if sheet is None else (sheet[0] - 2 * self.margin, sheet[1] - 2 * self.margin)
 
 
-def stock_of(sheet: Optional[tuple[float, float]], spacing: Optional[float], margin: float, allowance: float) -> Stock:
+def stock_of(
+    sheet: Union[tuple[float, float], Sequence[tuple[float, float]], None],
+    spacing: Optional[float],
+    margin: float,
+    allowance: float,
+    grain: Optional[tuple[float, float]] = None,
+) -> Stock:
     """Return the validated stock.
 
     Parameters
     ----------
     sheet
-        Length and width [L], in any order. None: unlimited.
+        Length and width [L], in any order, or several of them. None: unlimited.
     spacing
         Distance between pieces [L]. None: 1 % of the sheet width, enough for a saw or router.
     margin
         Free margin along the edges of sheets [L].
     allowance
         Width of the strip around every piece [L].
+    grain
+        Direction in plan along the length of the sheets. None: any.
 
     Raises
     ------
     CGCError
         If a value is not a number or negative, or leaves no room on a sheet.
     """
-    size = _size(sheet)
+    sizes = sorted(map(_size, _several(sheet)), key=lambda size: size[0] * size[1])
+    size = sizes[-1] if sizes else None
+    if grain is not None and not (len(grain) == 2 and np.isfinite(grain).all() and np.hypot(*grain) > 0.0):
+        raise CGCError(f"the grain must be a direction in plan, such as (1, 0), not {grain!r:.60}")
     lengths = {
         "spacing between pieces": None if spacing is None else checked_number(spacing, "spacing"),
         "margin at the edges of a sheet": checked_number(margin, "margin"),
@@ -73,12 +93,18 @@ def stock_of(sheet: Optional[tuple[float, float]], spacing: Optional[float], mar
             f"an allowance of {allowance:g} leaves no room for pieces on a sheet of {size[0]:g} x {size[1]:g}; use less than "
             f"{(size[1] - 2 * margin) / (2 * MITRE_LIMIT):.3g}, in the units of the drawing"
         )
-    return Stock(size, DEFAULT_SPACING * size[1] if spacing is None and size is not None else spacing, margin, allowance)
+    apart = DEFAULT_SPACING * size[1] if spacing is None and size is not None else spacing
+    return Stock(size, apart, margin, allowance, tuple(sizes[:-1]), None if grain is None else (float(grain[0]), float(grain[1])))
 
 
-def _size(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
+def _several(sheet: object) -> list[object]:
+    """Return sheets as a list of sizes."""
     if sheet is None:
-        return None
+        return []
+    return list(sheet) if isinstance(sheet, (list, tuple)) and sheet and isinstance(sheet[0], (list, tuple)) else [sheet]
+
+
+def _size(sheet: Any) -> tuple[float, float]:
     try:
         length, width = (float(x) for x in sheet)
     except (TypeError, ValueError):

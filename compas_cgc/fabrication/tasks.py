@@ -79,7 +79,7 @@ def _unroll(surface: PosesProblem, settings: dict[str, Any]) -> Any:
         shortest = {name: settings[name] for name in ("shortest",) if name in settings}
         how = {**_joints(settings), **shortest}
         settings = {**settings, **shortest, "panels": panels(surface, how.pop("size", None), **how)}
-    return unroll(surface, size.within(units) if isinstance(size, values.Sheet) else size, **settings)
+    return unroll(surface, size and [own.within(units) for own in size], **settings)
 
 
 def _membrane(surface: PosesProblem, settings: dict[str, Any]) -> Any:
@@ -99,6 +99,12 @@ _WIDTHS = {
         {"type": "string"},
         {**_LENGTH, "exclusiveMinimum": 0},
         {"type": "array", "items": {**_LENGTH, "exclusiveMinimum": 0}, "minItems": 1},
+    ]
+}
+_SHEET = {
+    "oneOf": [
+        {"type": "string", "pattern": r"^[0-9.]+ *[x×X] *[0-9.]+ *(mm|cm|m|in|ft)?( *, *[0-9.]+ *[x×X] *[0-9.]+ *(mm|cm|m|in|ft)?)*$"},
+        {"type": "array", "items": {**_LENGTH, "exclusiveMinimum": 0}, "minItems": 2, "maxItems": 2},
     ]
 }
 _JOINTS = (
@@ -170,14 +176,9 @@ TASKS: dict[str, Task] = {
             (
                 BuildOption(
                     "sheet",
-                    "length and width of the sheets, such as 3.0x1.5 or 3000x1500mm (default: unlimited)",
-                    values.sheet,
-                    {
-                        "oneOf": [
-                            {"type": "string", "pattern": r"^[0-9.]+ *[x×X] *[0-9.]+ *(mm|cm|m|in|ft)?$"},
-                            {"type": "array", "items": {**_LENGTH, "exclusiveMinimum": 0}, "minItems": 2, "maxItems": 2},
-                        ]
-                    },
+                    "length and width of the sheets, such as 3.0x1.5 or 3000x1500mm, or several, separated by commas (default: unlimited)",
+                    values.sheets,
+                    {"oneOf": [_SHEET, {"type": "array", "items": _SHEET, "minItems": 1}]},
                     "LxW",
                 ),
                 BuildOption(
@@ -215,6 +216,24 @@ TASKS: dict[str, Task] = {
                     "D",
                 ),
                 *_JOINTS,
+                BuildOption(
+                    "grain",
+                    "direction in plan along the length of the sheets, such as 1,0 (default: any)",
+                    values.plan_vector,
+                    {
+                        "oneOf": [
+                            {"type": "string", "pattern": r"^[-+0-9.eE]+ *, *[-+0-9.eE]+$"},
+                            {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+                        ]
+                    },
+                    "X,Y",
+                ),
+                BuildOption(
+                    "shapes",
+                    "nest true shapes instead of rectangles, with the package spyrrow; results may differ between runs",
+                    values.truth,
+                    {"type": "boolean", "default": False},
+                ),
                 BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.number, _LENGTH, "D"),
                 BuildOption(
                     "whole",

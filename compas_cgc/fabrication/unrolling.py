@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Optional
+from typing import Union
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from .piece_strains import strains_of
 from .pieces import Box
 from .pieces import cut_to_fit
 from .placing import extent
+from .placing import grain_of
 from .placing import on_sheets
 from .regions_in_plane import developed
 from .regions_in_plane import developed_panels
@@ -53,7 +55,7 @@ EDGE_TOLERANCE = 1e-9  # tolerance at the edges of a sheet, relative to it
 @names_what_was_meant()
 def unroll(
     surface: PosesProblem,
-    sheet: Optional[tuple[float, float]] = None,
+    sheet: Union[tuple[float, float], Sequence[tuple[float, float]], None] = None,
     *,
     panels: Optional[Sequence[Panel]] = None,
     strain: Optional[float] = None,
@@ -62,6 +64,8 @@ def unroll(
     spacing: Optional[float] = None,
     margin: float = 0.0,
     allowance: float = 0.0,
+    grain: Optional[tuple[float, float]] = None,
+    shapes: bool = False,
     rulings: Optional[float] = None,
     shortest: float = 100.0,
     whole: Optional[bool] = None,
@@ -77,7 +81,8 @@ def unroll(
     surface
         Solved result, mesh or problem; its creases divide it into regions.
     sheet
-        Length and width of the sheets [L]. Default: unlimited, so that only seams are cut.
+        Length and width of the sheets [L], or several sizes: pieces are cut for the largest, and every sheet is the smallest that
+        holds its pieces. Default: unlimited, so that only seams are cut.
     panels
         Result of :func:`compas_cgc.fabrication.panels`: the pieces. Default: pieces that fit on the sheets.
     strain
@@ -93,6 +98,11 @@ def unroll(
         Free margin along the edges of a sheet [L].
     allowance
         Width of a strip around every piece for welding or sewing [L]. It is drawn as a separate outline and included in nesting.
+    grain
+        Direction in plan along the length of the sheets, such as (1, 0) for a grain along x. Default: pieces have any rotation.
+    shapes
+        Whether to nest true shapes instead of rectangles, with the package spyrrow. The search is limited by time, so that results may
+        differ between runs.
     rulings
         Distance between drawn rulings [L], 0 for none. Default: 1/12 of the size of the region, at most a quarter of the sheet
         width.
@@ -125,7 +135,7 @@ def unroll(
     if seams is not None and panels is not None:
         raise CGCError("give panels or seams, not both; the joints of panels are the seams")
     problem = unrollable(solved_problem(surface, rough))
-    stock = stock_of(sheet, spacing, margin, allowance)
+    stock = stock_of(sheet, spacing, margin, allowance, grain)
     _check_scale(problem, stock)
     if rulings is not None and checked_number(rulings, "rulings") < 0:
         raise CGCError(f"the distance between rulings must be positive, or 0 for none, not {rulings:g}")
@@ -154,6 +164,9 @@ def unroll(
     def taken(own: Patchwork, piece: int) -> np.ndarray:
         return extent(own, piece, stock.allowance)
 
+    def along(own: Patchwork, piece: int) -> np.ndarray:
+        return grain_of(own, piece, stock.grain or (1.0, 0.0))
+
     def refuse(own: Patchwork, piece: int, box: Box) -> None:
         if kept:
             _refuse_to_cut(problem, stock, own, piece, box)
@@ -165,15 +178,17 @@ def unroll(
             panels = sheet_panels(problem, chosen, stock, shortest, taken, too_wide)
             flat, cuts, unrollings = (flat, cuts, unrollings) if panels is None else developed_panels(problem, panels, chosen)
         elif stock.sheet is not None and not kept:
-            flat = in_rows(flat, room, stock.spacing or 0.0, least)
-        placed, on_sheet, stock = on_sheets(cut_to_fit(flat, room, flattened, too_wide, taken, refuse, shortest=least), stock)
+            grains = None if grain is None else np.array([along(flat, piece) for piece in range(int(flat.piece.max()) + 1)])
+            flat = in_rows(flat, room, stock.spacing or 0.0, least, grains)
+        flat = cut_to_fit(flat, room, flattened, too_wide, taken, refuse, None if grain is None else along, least)
+        own = on_sheets(flat, stock, truth(shapes, "shapes"))
     except ValueError as error:
         raise CGCError(str(error)) from None
-    ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
-    lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if stock.sheet is None else 0.25 * stock.sheet[1])
+    ruled = [one.region for one in unrollings if one.unrolled] if rulings != 0 else []
+    lines, straightness = rulings_of(problem, own.patchwork, ruled, rulings, np.inf if stock.sheet is None else 0.25 * stock.sheet[1])
     names = [panel.name for panel in panels or () if panel.region in chosen]
     # Panels that were cut again need other names.
-    return patterns_of(problem, placed, on_sheet, unrollings, stock, lines, straightness, names if len(names) == len(on_sheet) else ())
+    return patterns_of(problem, own, unrollings, lines, straightness, names if len(names) == len(own.sheets) else ())
 
 
 def _check_scale(problem: CGCProblem, stock: Stock) -> None:
