@@ -194,7 +194,7 @@ def _assigned(
                 "moulds=None needs within=, the largest distance from the design [L]; the fewest moulds that satisfy it are used"
             )
         best = None
-        for count in range(1, MAX_MOULDS + 1):
+        for count in range(1, min(MAX_MOULDS, moves.panels) + 1):
             found = assign(moves, Moulds(count, flat=flat), stop.shown)
             best = found if best is None or found.distance < best.distance else best
             if best.distance <= within or stop.stopped:

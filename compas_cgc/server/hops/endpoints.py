@@ -13,6 +13,8 @@ from ...solvers.settings import Option
 from .build_endpoints import BUILDS
 from .build_endpoints import build_endpoints
 from .goals import GOAL_INPUTS
+from .rationalise_endpoint import RATIONALISE
+from .rationalise_endpoint import rationalise_endpoint
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
@@ -21,7 +23,7 @@ from .schema import icon
 __all__ = ["OPTION_INPUTS", "REPEATABLE", "endpoint", "endpoints"]
 
 
-REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/goals", "cgc/flow", "cgc/analyse", *BUILDS)  # responses can be cached
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/goals", "cgc/flow", "cgc/analyse", *BUILDS, RATIONALISE)  # responses can be cached
 MAX_ITEMS = 5000  # largest number of curves or points that are located on the mesh one by one
 OPTION_INPUTS = {
     "S": ("S", "s"),
@@ -138,6 +140,7 @@ def endpoints() -> dict[str, Endpoint]:
             ),
         ),
         *build_endpoints({own.name: own for own in DRAWN_INPUTS}, INFO),
+        rationalise_endpoint(INFO),
         Endpoint(
             "cgc/submit",
             "CGC Submit",

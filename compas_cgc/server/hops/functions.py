@@ -32,6 +32,8 @@ from .data_tree import read_values
 from .endpoints import endpoint
 from .inputs import dome_request
 from .inputs import solve_inputs_request
+from .rationalisation import run_rationalise
+from .rationalise_endpoint import RATIONALISE
 from .reply import Reply
 from .reply import spent
 
@@ -106,7 +108,15 @@ def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Rep
     return Reply(200, values, [], warnings, spent(started, read, measured))
 
 
-FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/goals": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse, **BUILD_FUNCTIONS}
+FUNCTIONS = {
+    "cgc/dome": _dome,
+    "cgc/solve": _solve,
+    "cgc/goals": _solve,
+    "cgc/flow": _flow,
+    "cgc/analyse": _analyse,
+    **BUILD_FUNCTIONS,
+    RATIONALISE: run_rationalise,
+}
 
 
 def surface_values(result: SolveResult, info: str) -> list[dict]:

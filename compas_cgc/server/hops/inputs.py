@@ -25,7 +25,7 @@ from .geometry import read_mesh
 from .goals import drawn_goals
 from .goals import goal_options
 
-__all__ = ["dome_request", "read_hops_request", "solve_inputs_request", "surface_of"]
+__all__ = ["design_of", "dome_request", "read_hops_request", "solve_inputs_request", "surface_of"]
 
 
 def read_hops_request(options: dict, body: bytes, limits: Limits) -> SolveRequest:
@@ -76,6 +76,18 @@ def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem,
     if "Supports" in inputs and not inputs["Supports"]:
         problem = problem.with_supports("boundary")
     return (problem if inputs["At"] else problem.with_targets(inputs["K"][0])), _notes(read)
+
+
+def design_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, list[str]]:
+    """Return a design with its supports, and notes on changes made to the input.
+
+    Raises
+    ------
+    Unprocessable, CGCError
+        If an input is invalid.
+    """
+    read = _assembled(inputs, context, limits)
+    return read.checked(), _notes(read)
 
 
 def _check_targets(inputs: Mapping[str, Any]) -> None:

@@ -14,6 +14,7 @@ from compas_cgc.io.rhino.meshes import mesh_to_arrays
 
 from ...support.constant_curvature import cone
 from ...support.constant_curvature import revolved_patch
+from ...support.freeform import mesh_over
 from ...support.hops_client import Hops
 from ...support.server_process import KEY
 
@@ -50,6 +51,17 @@ def test_a_cone_is_laid_out_on_sheets(hops, generation, comma):
     V, F = mesh_to_arrays(outputs["Pieces"][0])
     area = np.linalg.norm(np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]), axis=1).sum() / 2
     assert area == pytest.approx(patterns.pieces[0].area)
+
+
+def test_a_design_becomes_panels_on_few_moulds(hops):
+    vertices, quads = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2, 8.0, 4.0, 0.5)
+    mesh = mesh_from_arrays(vertices, np.array(quads))
+    status, outputs, errors, warnings = hops("rationalise").solve(Mesh=mesh, Panel=2.0, Moulds=2)
+    assert (status, errors, warnings) == (200, [], []) and "8 panels on 2 moulds" in outputs["Info"][0]
+    assert len(outputs["Panels"]) == len(outputs["Mould"]) == 8 and len(outputs["K"]) == 2
+    assert 0.0 < np.abs(outputs["Distance"]).max() < 0.05
+    _, outputs, errors, warnings = hops("rationalise").solve(Mesh=mesh, Panel=4.0, Within=1e-4)
+    assert errors == [] and "try" in warnings[0]
 
 
 def test_sheets_have_margins_and_allowances(hops):

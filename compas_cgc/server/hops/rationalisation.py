@@ -1,0 +1,53 @@
+"""Function of the component for freeform designs on few moulds, run in the workers."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from ..api.rhino_mesh import mesh_text
+from ..api.rhino_mesh import polyline_text
+from ..limits import Limits
+from .data_tree import entry
+from .inputs import design_of
+from .reply import Reply
+from .reply import spent
+
+__all__ = ["run_rationalise"]
+
+
+def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
+    """Return the reply of the component."""
+    # Workers that never rationalise do without its imports.
+    from ...rationalisation import rationalise
+    from ...rationalisation import read_design
+
+    problem, notes = design_of(inputs, context, limits)
+    read = time.perf_counter()
+    own = problem.without_dummies()
+    found = rationalise(
+        read_design((own.vertices, own.faces))._replace(drawing=own.drawing),
+        moulds=None if inputs["Within"] else inputs["Moulds"],
+        within=inputs["Within"] or None,
+        panel=inputs["Panel"] or None,
+        supports=own.vertices[own.supports].tolist() if len(own.supports) else None,
+    )
+    done = time.perf_counter()
+    V, F = found.result.vertices, found.result.problem.faces
+    panels = []
+    for number in range(found.panelling.panel_count):
+        used, corners = np.unique(F[found.panels == number], return_inverse=True)
+        panels.append(mesh_text(V[used], corners.reshape(-1, 3)))
+    signed = found.distance.signed
+    values = [
+        entry("Mesh", "Mesh", [mesh_text(V, F, signed, found.distance.largest or 1.0)]),
+        entry("Panels", "Mesh", panels),
+        entry("Mould", "Integer", found.classes.tolist()),
+        entry("K", "Number", found.curvatures.tolist()),
+        entry("Seams", "Curve", [polyline_text(V[seam]) for seam in found.panelling.seams]),
+        entry("Distance", "Number", signed.tolist()),
+        entry("Info", "Text", ["\n".join([found.summary, *notes])]),
+    ]
+    warnings = [] if found.kept else [found.suggestion or f"the surface is {found.result.status}"]
+    return Reply(200, values, [], warnings, spent(started, read, done))

@@ -1,0 +1,45 @@
+"""Endpoint of the component for freeform designs on few moulds."""
+
+from __future__ import annotations
+
+from .schema import Endpoint
+from .schema import Input
+from .schema import Output
+from .schema import icon
+
+__all__ = ["RATIONALISE", "rationalise_endpoint"]
+
+RATIONALISE = "cgc/rationalise"
+
+
+def rationalise_endpoint(info: Output) -> Endpoint:
+    """Return the endpoint; `info` is the output of the report."""
+    return Endpoint(
+        RATIONALISE,
+        "CGC Rationalise",
+        "Find the surface nearest to a freeform design whose panels come off few moulds.",
+        icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M8 10V19M16 10V19", "#2b7bba"),
+        (
+            Input("Mesh", "M", "Mesh", "The design as a mesh."),
+            Input("Supports", "S", "Point", "Points that are held. If empty, the corners.", many=True, optional=True),
+            Input("Panel", "P", "Number", "Width of the panels. Defaults to 0: a twelfth of the longer side.", default=0.0, low=0.0),
+            Input("Moulds", "N", "Integer", "Number of moulds. Defaults to 4.", default=4, low=1, high=64),
+            Input(
+                "Within",
+                "W",
+                "Number",
+                "Largest distance from the design: the fewest moulds that keep it. Defaults to 0: use Moulds.",
+                default=0.0,
+                low=0.0,
+            ),
+        ),
+        (
+            Output("Mesh", "M", "Mesh", "Surface, coloured by its signed distance from the design."),
+            Output("Panels", "P", "Mesh", "Panels."),
+            Output("Mould", "I", "Integer", "Number of the mould of each panel, counted from 0."),
+            Output("K", "K", "Number", "Gaussian curvature of the moulds in 1 / (model unit)²."),
+            Output("Seams", "S", "Curve", "Seams."),
+            Output("Distance", "D", "Number", "Signed distance of each vertex from the design."),
+            info,
+        ),
+    )
