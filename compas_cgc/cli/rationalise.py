@@ -45,6 +45,8 @@ examples:
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --radii 12 30 -25 inf
 """
 
+NAMED = ("grid", "levels", "faces")  # seams that need no curves
+
 # Lengths in metres of units of drawings, and of those that are written after a number.
 METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Feet": 0.3048, "Inches": 0.0254}
 SUFFIXES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "ft": 0.3048, "in": 0.0254}
@@ -60,7 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seams",
         metavar="WHERE",
-        help="grid, levels (of K, for few regions), a layer of DESIGN, or a .3dm with curves (default: the layer Seams, or grid)",
+        help="grid, levels (of K, for few regions), faces (of a quad mesh), a layer of DESIGN, or a .3dm with curves "
+        "(default: the layer Seams, or grid)",
     )
     moulds = parser.add_mutually_exclusive_group()
     moulds.add_argument("--moulds", type=int, metavar="N", help="number of moulds (default: 4, or with --within the fewest that keep it)")
@@ -87,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
     known_suffix(arguments.output)
     echo = printer(arguments.quiet)
     own = arguments.seams
-    layer = own if own not in (None, "grid", "levels") and Path(own).suffix.lower() != ".3dm" else None
+    layer = own if own not in (None, *NAMED) and Path(own).suffix.lower() != ".3dm" else None
     design = read_design(arguments.input, seams=layer)
     units = design.drawing.units
     if arguments.tolerance is not None:
@@ -134,7 +137,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _seams(where: Optional[str]) -> SeamsInput:
     """Return the seams of the argument; those on a layer of the design are read with it."""
-    if where in ("grid", "levels"):
+    if where in NAMED:
         return where
     if where is None or Path(where).suffix.lower() != ".3dm":
         return None

@@ -41,6 +41,7 @@ class Design(NamedTuple):
     seams: tuple[FloatArray, ...] = ()  # (k, 3) points along drawn seams [L]
     drawing: Drawing = Drawing()
     notes: tuple[str, ...] = ()
+    quads: Optional[tuple[FloatArray, IntArray]] = None  # parameters (k, 2) of the corners and corners (q, 4) of a quad mesh
 
     @property
     def trimmed(self) -> bool:
@@ -107,16 +108,16 @@ def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str]) -> 
         made = Design(SplineSurface(*drawn.spline), (), 0.0)
     else:
         faces = [list(dict.fromkeys(face)) for face in drawn.faces.tolist()]
-        made = _fitted(*_triangles(drawn.vertices, faces), drawn.tolerance if tolerance is None else tolerance)
+        made = _fitted(drawn.vertices, faces, drawn.tolerance if tolerance is None else tolerance)
     drawing = Drawing(path.stem, drawn.units, drawn.tolerance)
     return made._replace(supports=tuple(drawn.supports), seams=tuple(drawn.seams), drawing=drawing, notes=(*drawn.notes, *made.notes))
 
 
-def _arrays_of(design: Any) -> tuple[FloatArray, IntArray, Drawing]:
-    """Return the triangles of a mesh in any form."""
+def _arrays_of(design: Any) -> tuple[FloatArray, list[list[int]], Drawing]:
+    """Return the polygons of a mesh in any form."""
     if hasattr(design, "to_problem"):
         problem = design.to_problem().without_dummies()
-        return problem.vertices, problem.faces, problem.drawing
+        return problem.vertices, problem.faces.tolist(), problem.drawing
     if hasattr(design, "to_vertices_and_faces"):
         vertices, faces = design.to_vertices_and_faces()
     elif isinstance(design, Sequence) and not isinstance(design, str) and len(design) == 2:
@@ -126,15 +127,12 @@ def _arrays_of(design: Any) -> tuple[FloatArray, IntArray, Drawing]:
     V = np.asarray(vertices, dtype=np.float64)
     if V.ndim != 2 or V.shape[1] != 3 or not np.isfinite(V).all():
         raise CGCError(f"vertices of a design must be finite numbers (n, 3), not of shape {V.shape}")
-    return (*_triangles(V, [list(map(int, face)) for face in faces]), Drawing())
+    return V, [list(map(int, face)) for face in faces], Drawing()
 
 
-def _triangles(vertices: FloatArray, faces: Sequence[Sequence[int]]) -> tuple[FloatArray, IntArray]:
-    return vertices, triangles_of(vertices, faces)[0]
-
-
-def _fitted(vertices: FloatArray, faces: IntArray, tolerance: Optional[float]) -> Design:
+def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: Optional[float]) -> Design:
     """Return the smooth surface through a mesh over a plane, within a tolerance."""
+    faces = triangles_of(vertices, polygons)[0]
     chart = chart_of(vertices, faces)
     used = np.unique(faces)
     size = float(np.linalg.norm(np.ptp(vertices[used], axis=0)))
@@ -146,7 +144,8 @@ def _fitted(vertices: FloatArray, faces: IntArray, tolerance: Optional[float]) -
     notes = () if fitted.deviation <= wanted else (_note(fitted, wanted),)
     if len(rims) == 1 and _is_rectangle(rims[0], ON_SIDE * edge):
         rims = ()
-    return Design(fitted.surface, rims, fitted.deviation, notes=notes)
+    quads = (plan, np.array(polygons)) if all(len(face) == 4 for face in polygons) else None
+    return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads)
 
 
 def _note(fitted: Fitted, wanted: float) -> str:

@@ -22,6 +22,7 @@ from .grid_panels import grid_lines
 from .grid_panels import grid_panels
 from .level_seams import level_seams
 from .panelling import Panelling
+from .quad_panels import quad_panels
 
 __all__ = ["PANELS", "SeamsInput", "panels_of"]
 
@@ -31,6 +32,8 @@ LEVELS = 5  # values of K between which level lines run
 NEAR = 0.6  # of an edge, within which a seam that ends at the rim is led over it
 OFFSETS = (0.0, 0.25, -0.25, 0.4)  # of the width of a panel, by which a grid is shifted off a rim that its lines graze
 GRAZING = "grazes"
+
+NAMED = ("grid", "levels", "faces")
 
 SeamsInput = Union[str, Sequence[Sequence[Sequence[float]]], None]
 
@@ -47,8 +50,8 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
     edges
         Edges along the side of a panel. Default: four, or more where panels are few.
     seams
-        ``"grid"`` along the parameters, which are the plan where a mesh has one; ``"levels"`` along level lines of K; or points
-        (k, 3) along curves on the design. Default: those drawn, else the grid.
+        ``"grid"`` along the parameters, which are the plan where a mesh has one; ``"levels"`` along level lines of K; ``"faces"``
+        between the faces of a quad mesh; or points (k, 3) along curves on the design. Default: those drawn, else the grid.
 
     Raises
     ------
@@ -56,8 +59,10 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
         If the seams divide the design into no panels that can be meshed.
     """
     width = _default_width(design) if panel is None else float(panel)
-    if isinstance(seams, str) and seams not in ("grid", "levels"):
-        raise CGCError(f"seams must be 'grid', 'levels' or curves, not {seams!r}")
+    if isinstance(seams, str) and seams not in NAMED:
+        raise CGCError(f"seams must be {', '.join(map(repr, NAMED))} or curves, not {seams!r}")
+    if seams == "faces":
+        return _faces(design, edges)
     drawn = design.seams if seams is None else () if isinstance(seams, str) else tuple(np.asarray(line, dtype=np.float64) for line in seams)
     surface, rims = design.surface, list(design.rims) or [parameter_rim(design.surface)]
     if not len(drawn) and seams != "levels":
@@ -72,13 +77,29 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
     return curve_panels(surface, rims, [_over_rim(plane, rims, line, edge) for line in lines], edge)
 
 
+def _faces(design: Design, edges: Optional[int]) -> Panelling:
+    """Return the faces of a quad mesh as panels."""
+    if design.quads is None:
+        raise MeshError(
+            "seams between faces need a design whose faces are all quads, as arrays, a COMPAS mesh or a mesh in a .3dm; "
+            "use a grid, or draw the seams as curves"
+        )
+    corners, quads = design.quads
+    return quad_panels(design.surface, corners, quads, _edges(len(quads)) if edges is None else edges)
+
+
+def _edges(panels: int) -> int:
+    """Return the number of edges along the side of a panel."""
+    return max(EDGES, round(float(np.sqrt(VERTICES / panels))))
+
+
 def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
     """Return panels between lines of constant parameter, cut at the rim where the design is trimmed."""
     surface = design.surface
     sharp = sharp_parameters(surface.at, surface.domain, [knots.tolist() for knots in surface.knots])
     first, second = (grid_lines(surface, axis, width, [value for own, value in sharp if own == axis]) for axis in range(2))
     count = (len(first) - 1) * (len(second) - 1)
-    number = max(EDGES, round(np.sqrt(VERTICES / count))) if edges is None else edges
+    number = _edges(count) if edges is None else edges
     if not design.trimmed:
         return grid_panels(surface, (first, second), number)
     rims = list(design.rims)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from compas_cgc.discrete import edge_faces
+from compas_cgc.errors import MeshError
 from compas_cgc.meshing import boundary_loops
 from compas_cgc.rationalisation import read_design
 from compas_cgc.rationalisation.level_seams import level_seams
@@ -59,3 +60,22 @@ def test_level_lines_run_half_way_between_clusters_of_the_curvature():
     for line in lines:
         K = design.surface.gaussian(line)
         assert np.std(K) < 0.3 * np.abs(K).max() + 1e-4
+
+
+def test_the_faces_of_a_quad_mesh_are_the_panels():
+    vertices, quads = mesh_over(heights, 10.0, 8.0, 2.0)
+    # Shear the plan, so that no seam lies along it.
+    vertices = np.column_stack([vertices[:, 0] + 0.2 * vertices[:, 1], vertices[:, 1], vertices[:, 2]])
+    design = read_design((vertices, quads), tolerance=1e-3)
+    panelling = panels_of(design, None, 4, "faces")
+    assert panelling.panel_count == len(quads) and len(panelling.faces) == 32 * len(quads)
+    corners = np.column_stack([vertices[:, :2], np.zeros(len(vertices))])
+    seams = panelling.vertices[panelling.seams.ravel()]
+    sides = {tuple(sorted(side)) for quad in quads for side in zip(quad, quad[1:] + quad[:1])}
+    ends = corners[np.array(sorted(sides))]
+    along = ends[:, 1] - ends[:, 0]
+    off = seams[:, None, :2] - ends[None, :, 0, :2]
+    across = np.abs(off[..., 0] * along[:, 1] - off[..., 1] * along[:, 0]) / np.linalg.norm(along, axis=1)
+    assert across.min(axis=1).max() < 1e-6
+    with pytest.raises(MeshError, match="quads"):
+        panels_of(read_design((vertices, [[a, b, c] for a, b, c, _ in quads] + [[a, c, d] for a, _, c, d in quads])), None, 4, "faces")
