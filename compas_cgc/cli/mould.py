@@ -35,11 +35,11 @@ FILE is a solved surface. If a .3dm file contains a result, the result is used. 
 consist of the same triangles; otherwise the report states the gaps between them.
 
 OUTPUT is a .3dm file with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels. A page of pictures is
-written beside it, with the suffix .pdf.
+written beside it, with the suffix .pdf. --schedule writes the lengths of sides, diagonals and neighbours of every panel.
 
 examples:
   compas-cgc solve roof.3dm -o solved.3dm --measure exact
-  compas-cgc mould solved.3dm -o moulds.3dm --size 1.25
+  compas-cgc mould solved.3dm -o moulds.3dm --size 1.25 --schedule panels.csv --schedule panels.pdf
   compas-cgc mould solved.3dm -o moulds.3dm --curves Joints --material gfrp --thickness 8 --report moulds.json
 """
 
@@ -51,6 +51,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help=".3dm file to write")
     add_joints(parser, required=True)
     parser.add_argument("--no-page", action="store_true", help="do not write the page of pictures")
+    parser.add_argument(
+        "--schedule",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="write the panel schedule: .csv, or .pdf with one drawing per panel; repeatable",
+    )
     parser.add_argument("--report", metavar="JSON", help="write the figures of every panel as JSON")
     parser.set_defaults(run=run)
 
@@ -63,6 +70,9 @@ def run(arguments: argparse.Namespace) -> int:
     output = Path(arguments.output)
     if output.suffix.lower() != ".3dm":
         raise FileError(f"the output must be a .3dm file, not {output.name!r}")
+    for path in arguments.schedule:
+        if Path(path).suffix.lower() not in (".csv", ".pdf"):
+            raise FileError(f"the schedule must be a .csv or .pdf file, not {Path(path).name!r}")
     echo = printer(arguments.quiet)
     settings = settings_of(arguments, "mould")
     problem = read_solved(arguments)
@@ -81,6 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
             from ..plot import save
 
             written.append(save(page, output.with_suffix(".pdf")))
+        written += [_write_schedule(Path(path), problem, report, Path(arguments.input).stem) for path in arguments.schedule]
         if arguments.report:
             written.append(_write_report(arguments, report))
     for path in written:
@@ -98,6 +109,19 @@ def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespa
         return moulds_figure(problem, report, f"{Path(arguments.input).stem}: moulds")
     except CGCError as error:
         raise CGCError(f"{error}; or use --no-page to write no page of pictures") from None
+
+
+def _write_schedule(path: Path, problem: CGCProblem, report: MouldReport, name: str) -> Path:
+    from ..fabrication.panel_schedule import panel_sheets
+    from ..fabrication.panel_schedule import schedule_text
+
+    sheets = panel_sheets(problem, report)
+    if path.suffix.lower() == ".pdf":
+        from ..plot.panel_sheets import save_panel_sheets
+
+        return save_panel_sheets(sheets, path, f"{name}:")
+    write_text(path, schedule_text(sheets))
+    return path
 
 
 def _write_report(arguments: argparse.Namespace, report: MouldReport) -> Path:

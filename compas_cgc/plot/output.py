@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 from threading import Lock
@@ -18,7 +19,7 @@ from ..errors import names_what_was_meant
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "matplotlib_module", "new_figure", "save"]
+__all__ = ["check_picture", "matplotlib_module", "new_figure", "save", "save_pages"]
 
 DPI = 200
 FORMATS = {
@@ -96,6 +97,28 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
             figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
     except OSError as error:
         raise FileError(f"the picture {path} cannot be written ({error.strerror or error}); choose another path") from error
+    return path
+
+
+def save_pages(figures: Iterable[Figure], path: Union[str, os.PathLike]) -> Path:
+    """Write figures as the pages of a PDF, without a date, so that the same figures give the same bytes.
+
+    Raises
+    ------
+    FileError
+        If the suffix is not .pdf, or the file cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".pdf":
+        raise FileError(f"drawings with several pages need the suffix .pdf, not that of {path.name!r}")
+    pages = matplotlib_module("backends.backend_pdf")
+    try:
+        with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
+            with pages.PdfPages(beside, metadata=FORMATS[".pdf"]) as written:
+                for figure in figures:
+                    written.savefig(figure, facecolor="white")
+    except OSError as error:
+        raise FileError(f"the drawings {path} cannot be written ({error.strerror or error}); choose another path") from error
     return path
 
 

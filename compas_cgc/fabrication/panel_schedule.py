@@ -1,0 +1,168 @@
+"""Panel schedule: sides with their lengths and neighbours, diagonals, rise, mould and K of every panel."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete import edge_faces
+from ..discrete import face_areas
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..meshing import boundary_loops
+from ..model.problem import CGCProblem
+from .mould_report import MouldReport
+from .mould_report import PanelFit
+from .pieces import best_box
+from .tables import csv_text
+
+__all__ = ["PanelSheet", "PanelSide", "panel_sheets", "schedule_text"]
+
+CORNER = np.radians(30.0)  # least turn of the outline at a corner
+EDGE = "edge"  # instead of a neighbour at the edge of the surface
+
+_HEAD = (
+    "panel",
+    "region",
+    "mould",
+    "K in 1/m2",
+    "mould radius in mm",
+    "length in mm",
+    "width in mm",
+    "rise in mm",
+    "area in m2",
+    "sides in mm",
+    "neighbours",
+    "diagonals in mm",
+    "bending stress in MPa",
+)
+
+
+class PanelSide(NamedTuple):
+    """Part of the outline between two corners or between two neighbours."""
+
+    points: FloatArray  # (k, 2) in the drawing [mm]
+    length: float  # along the outline in position [mm]
+    neighbour: str  # name of the panel beyond, "edge" at the edge of the surface
+
+
+class PanelSheet(NamedTuple):
+    """Figures and outline of one panel, seen from outside in its mean plane."""
+
+    fit: PanelFit
+    K: float  # of the mould [1/m^2]
+    radius: float  # of curvature of the mould, 0 for a plane [mm]
+    sides: list[PanelSide]  # counterclockwise
+    diagonals: list[tuple[int, int, float]]  # corners, from 0, and their distance in position [mm]
+    size: tuple[float, float]  # length and width of the smallest rectangle [mm]
+    rise: float  # distance between the lowest and the highest point over the mean plane [mm]
+    area: float  # [m^2]
+
+
+def panel_sheets(problem: CGCProblem, report: MouldReport) -> list[PanelSheet]:
+    """Return the schedule of the panels of a report, in their order."""
+    cut = report.panels[0].panel.cut
+    vertices, faces = (problem.vertices, problem.faces) if cut is None else (cut.vertices, cut.faces)
+    owner = np.full(len(faces), -1)
+    for number, fit in enumerate(report.panels):
+        owner[fit.panel.faces] = number
+    edges = edge_faces(faces)
+    n = len(vertices)
+    key = np.sort(edges[:, :2], axis=1) @ [n, 1]
+    order = np.argsort(key, kind="stable")
+    key, sides = key[order], np.where(edges[:, 3:] >= 0, owner[edges[:, 2:]], -1)[order]
+    names = [fit.panel.name for fit in report.panels]
+    found = []
+    for number, fit in enumerate(report.panels):
+        loop = max(boundary_loops(faces[fit.panel.faces]), key=len)
+        at = np.searchsorted(key, np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1) @ [n, 1])
+        beyond = np.where(sides[at, 0] == number, sides[at, 1], sides[at, 0])
+        own = np.unique(faces[fit.panel.faces])
+        found.append(_sheet(report, fit, vertices[loop], vertices[own], np.where(edges[order][at, 3] < 0, -1, beyond), names))
+    return found
+
+
+def _sheet(report: MouldReport, fit: PanelFit, outline: FloatArray, inside: FloatArray, beyond: IntArray, names: list[str]) -> PanelSheet:
+    """Return the figures of a panel.
+
+    Parameters
+    ----------
+    report, fit
+        The report, and the panel in it.
+    outline
+        (k, 3) outline in position, counterclockwise seen from outside [L].
+    inside
+        (p, 3) vertices [L].
+    beyond
+        (k,) number of the panel beyond every side of the outline, -1 for none.
+    names
+        Names of all panels.
+    """
+    mm = 1e3 * report.unit
+    middle = inside.mean(axis=0)
+    up = np.cross(outline - middle, np.roll(outline, -1, axis=0) - middle).sum(axis=0)
+    up /= np.linalg.norm(up)
+    box = best_box(_in_plane(inside - middle, up), (np.inf, np.inf))
+    turn = np.column_stack([box.along, [-box.along[1], box.along[0]]]) if box.length >= box.width else np.array([[0.0, -1.0], [1.0, 0.0]])
+    flat = mm * (_in_plane(outline - middle, up) @ turn)
+    height = (inside - middle) @ up
+    start = _corners(flat, beyond)
+    sides = []
+    for first, last in zip(start.tolist(), np.roll(start, -1).tolist()):
+        path = np.arange(first, last + 1 if last > first else last + len(flat) + 1) % len(flat)
+        length = mm * float(np.linalg.norm(np.diff(outline[path], axis=0), axis=1).sum())
+        sides.append(PanelSide(flat[path], length, EDGE if beyond[first] < 0 else names[beyond[first]]))
+    apart = [(i, j) for i in range(len(start)) for j in range(i + 2, len(start)) if (j + 1) % len(start) != i]
+    diagonals = [(i, j, mm * float(np.linalg.norm(outline[start[i]] - outline[start[j]]))) for i, j in apart]
+    mould = next(own for own in report.moulds if own.number == fit.mould)
+    radius = mould.radius_of_curvature
+    return PanelSheet(
+        fit,
+        mould.K / report.unit**2,
+        0.0 if radius is None else mm * radius,
+        sides,
+        diagonals,
+        (mm * max(box.length, box.width), mm * min(box.length, box.width)),
+        mm * float(np.ptp(height)),
+        report.unit**2 * float(face_areas(fit.vertices, fit.faces).sum()),
+    )
+
+
+def _in_plane(points: FloatArray, up: FloatArray) -> FloatArray:
+    """Return points (k, 3) in a plane with a unit normal (k, 2)."""
+    along = np.cross([0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0], up)
+    along /= np.linalg.norm(along)
+    return np.column_stack([points @ along, points @ np.cross(up, along)])
+
+
+def _corners(flat: FloatArray, beyond: IntArray) -> IntArray:
+    """Return the points of an outline (k, 2) at which it turns or its neighbour changes, at least one."""
+    ahead = np.roll(flat, -1, axis=0) - flat
+    back = np.roll(ahead, 1, axis=0)
+    turn = np.abs(np.arctan2(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0], np.einsum("ij,ij->i", back, ahead)))
+    found = np.flatnonzero((turn > CORNER) | (beyond != np.roll(beyond, 1)))
+    return found if len(found) else np.zeros(1, np.int64)
+
+
+def schedule_text(sheets: list[PanelSheet]) -> str:
+    """Return the schedule as CSV, one row per panel; sides and neighbours are counterclockwise, seen from outside."""
+    return csv_text(_HEAD, map(_row, sheets))
+
+
+def _row(own: PanelSheet) -> tuple:
+    return (
+        own.fit.panel.name,
+        own.fit.panel.region,
+        own.fit.mould,
+        f"{own.K:.6g}",
+        f"{own.radius:.1f}" if own.radius else "",
+        f"{own.size[0]:.1f}",
+        f"{own.size[1]:.1f}",
+        f"{own.rise:.1f}",
+        f"{own.area:.3f}",
+        " ".join(f"{side.length:.1f}" for side in own.sides),
+        " ".join(side.neighbour for side in own.sides),
+        " ".join(f"{length:.1f}" for _, _, length in own.diagonals),
+        "" if own.fit.stress is None else f"{own.fit.stress:.1f}",
+    )

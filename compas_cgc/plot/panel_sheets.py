@@ -1,0 +1,115 @@
+"""Drawings of panels as a PDF: the schedule, then one page per panel."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+from typing import Any
+from typing import Union
+
+import numpy as np
+
+from ..fabrication.panel_schedule import PanelSheet
+from .colours import INK
+from .output import matplotlib_module
+from .output import new_figure
+from .output import save_pages
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["panel_figure", "save_panel_sheets"]
+
+PAGE = (11.7, 8.3)  # A4 [in]
+ROWS = 32  # of the schedule on one page
+MARGIN = 0.16  # around an outline, relative to its size
+HEAD = ("panel", "region", "mould", "K [1/m²]", "length x width [mm]", "rise [mm]", "area [m²]", "sides [mm] and neighbours")
+
+
+def save_panel_sheets(sheets: list[PanelSheet], path: Union[str, os.PathLike], title: str = "") -> Path:
+    """Write the schedule of panels and one drawing per panel as PDF.
+
+    Raises
+    ------
+    CGCError
+        If matplotlib is not installed.
+    FileError
+        If the file cannot be written.
+    """
+    matplotlib_module("figure")
+    return save_pages(_pages(sheets, title), path)
+
+
+def _pages(sheets: list[PanelSheet], title: str) -> Iterator[Figure]:
+    for first in range(0, len(sheets), ROWS):
+        yield _schedule(sheets[first : first + ROWS], f"{title} panels {first + 1} to {min(first + ROWS, len(sheets))} of {len(sheets)}")
+    for own in sheets:
+        yield panel_figure(own, title)
+
+
+def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
+    figure = new_figure(*PAGE)
+    figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
+    figure.text(0.05, 0.925, "lengths in millimetres; sides counterclockwise, seen from outside", fontsize=7, color=INK)
+    columns = np.array([0.05, 0.12, 0.17, 0.22, 0.3, 0.43, 0.5, 0.57])
+    for row, cells in enumerate([HEAD, *map(_cells, sheets)]):
+        for x, cell in zip(columns, cells):
+            figure.text(x, 0.89 - row * 0.026, cell, fontsize=6.5, color=INK, weight="bold" if row == 0 else "normal")
+    return figure
+
+
+def _cells(own: PanelSheet) -> tuple[str, ...]:
+    sides = ", ".join(f"{side.length:.1f} ({side.neighbour})" for side in own.sides)
+    size = f"{own.size[0]:.1f} x {own.size[1]:.1f}"
+    about = (own.fit.panel.name, str(own.fit.panel.region), str(own.fit.mould), f"{own.K:.6g}", size, f"{own.rise:.1f}", f"{own.area:.3f}")
+    return (*about, sides if len(sides) < 90 else f"{len(own.sides)} sides, see the drawing")
+
+
+def panel_figure(own: PanelSheet, title: str = "") -> Figure:
+    """Return the drawing of a panel: outline with lengths, diagonals and neighbours, size, mould and K."""
+    figure = new_figure(*PAGE)
+    axes: Any = figure.add_axes((0.04, 0.16, 0.92, 0.74))
+    axes.set_aspect("equal")
+    axes.axis("off")
+    outline = np.vstack([side.points[:-1] for side in own.sides])
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    middle, size = 0.5 * (low + high), float(np.ptp(outline, axis=0).max())
+    axes.fill(*outline.T, facecolor="0.96", edgecolor=INK, linewidth=1.0)
+    corners = np.array([side.points[0] for side in own.sides])
+    for i, j, length in own.diagonals if len(own.sides) <= 6 else ():
+        axes.plot(*corners[[i, j]].T, color="0.6", linewidth=0.5, linestyle=(0, (6, 3)))
+        # Beside the middle, where diagonals cross.
+        place = corners[i] + 0.36 * (corners[j] - corners[i])
+        axes.text(*place, f"{length:.1f}", fontsize=7, color="0.35", ha="center", va="center", rotation=_upright(corners[j] - corners[i]))
+    for k, side in enumerate(own.sides):
+        chord = side.points[-1] - side.points[0]
+        out = np.array([chord[1], -chord[0]]) / max(float(np.linalg.norm(chord)), 1e-9)
+        at = side.points[len(side.points) // 2] if len(side.points) > 2 else side.points.mean(axis=0)
+        angle = _upright(chord)
+        axes.text(*(at - 0.03 * size * out), f"{side.length:.1f}", fontsize=8, color=INK, ha="center", va="center", rotation=angle)
+        axes.text(*(at + 0.035 * size * out), side.neighbour, fontsize=8, color="0.4", ha="center", va="center", rotation=angle)
+        axes.plot(*corners[k], marker="o", markersize=3, color=INK)
+        away = corners[k] - middle
+        axes.text(*(corners[k] + 0.035 * size * away / np.linalg.norm(away)), str(k + 1), fontsize=7, color=INK, ha="center", va="center")
+    axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
+    axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
+    figure.text(0.05, 0.95, f"{title} panel {own.fit.panel.name}".strip(), fontsize=13, color=INK, weight="bold")
+    figure.text(0.05, 0.925, "seen from outside in its mean plane, lengths in millimetres", fontsize=7, color=INK)
+    shape = f"K = {own.K:.6g} 1/m², radius {own.radius:.1f} mm" if own.radius else "plane"
+    lines = [
+        f"region {own.fit.panel.region}, mould {own.fit.mould}: {shape}",
+        f"rectangle {own.size[0]:.1f} x {own.size[1]:.1f} mm, rise over the mean plane {own.rise:.1f} mm, area {own.area:.3f} m²",
+        "inside: lengths of sides along the panel; outside: panels beyond; dashed: straight distances between corners",
+    ]
+    if own.fit.stress is not None:
+        lines.insert(2, f"bending stress from the mould into position: {own.fit.stress:.1f} MPa")
+    figure.text(0.05, 0.04, "\n".join(lines), fontsize=8, color=INK, linespacing=1.6)
+    return figure
+
+
+def _upright(direction: np.ndarray) -> float:
+    """Return the rotation of a text along a direction that is readable from below or from the right [degrees]."""
+    angle = float(np.degrees(np.arctan2(direction[1], direction[0])))
+    return angle - 180.0 if angle > 90.0 else angle + 180.0 if angle <= -90.0 else angle
