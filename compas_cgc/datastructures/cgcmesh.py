@@ -826,7 +826,8 @@ class CGCMesh(Mesh):
             return
         numbers = range(len(self.regions())) if region is None else [region]
         for number in numbers:
-            self.vertices_attribute("target", None, keys=self.region_vertices(number))
+            for key in self.region_vertices(number):
+                self.vertex[key]["target"] = None
         self._set_laws(dict.fromkeys(numbers, own))
 
     def region_law(self, region: int) -> Optional[Law]:

@@ -211,7 +211,7 @@ def write(
     Returns
     -------
     list of str
-        Notes on the NURBS surfaces.
+        Notes on the NURBS surfaces, and on what the format does not hold.
 
     Raises
     ------
@@ -231,13 +231,17 @@ def write(
     target = Path(path)
     if suffix == ".3dm":
         return _write_3dm(target, surface, source, version, analysis, nurbs)
+    notes = []
     if suffix == ".json":
         text = json_text(surface)
     else:
-        text = _function("{}_text", suffix)(problem_of(surface, "or a result is written").without_dummies())
+        problem = problem_of(surface, "or a result is written").without_dummies()
+        text = _function("{}_text", suffix)(problem)
+        if problem.laws:
+            notes.append(f"the laws of regions {listed(map(str, problem.laws))} are not in {target.name}; .3dm and .json files hold laws")
     with written(target) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
-    return []
+    return notes
 
 
 def _function(name: str, suffix: str) -> Callable:

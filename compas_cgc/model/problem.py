@@ -191,7 +191,10 @@ class CGCProblem:
         put("roles", _roles_of_places(V, F, self.creases) if self.roles is None else role_numbers(self.roles, n))
         for name in ("targets", "s", "e"):
             put(name, _column(getattr(self, name), n, name))
-        put("laws", self._checked_laws())
+        if self.laws:
+            within = self._within_regions(self.laws)
+            put("laws", {int(region): as_law(self.laws[region]) for region in sorted(self.laws)})
+            put("targets", np.where(np.any([*within.values()], axis=0), np.nan, self.targets))
         put("goals", as_goals(self.goals))
         check_indices(self.goals, n)
         put("names", Names(np.arange(n), np.arange(len(F))) if self.names is None else _checked_names(self.names, n, len(F)))
@@ -242,6 +245,8 @@ class CGCProblem:
     def with_creases(self, creases: Iterable[Sequence[int]], add: bool = False) -> CGCProblem:
         """Return the problem with creases along these edges; replaces the creases unless `add` is true.
 
+        A new region within an old one keeps the law of that.
+
         Parameters
         ----------
         creases
@@ -260,7 +265,12 @@ class CGCProblem:
         if lost.any():
             u, v = self.names.vertices[edges[np.argmax(lost)]].tolist()
             raise ValueError(f"the crease from vertex {u} to {v} does not follow an edge of the mesh; define creases along edges")
-        return replace(self, creases=edges, roles=roles_by_place(self.vertices, self.faces, self.roles, edges))
+        made = replace(self, creases=edges, roles=roles_by_place(self.vertices, self.faces, self.roles, edges), laws={})
+        if not self.laws:
+            return made
+        old, new = self.regions(), made.regions()
+        parents = {region: np.unique(old[new == region]).tolist() for region in range(made.number_of_regions())}
+        return replace(made, laws={region: self.laws[own[0]] for region, own in parents.items() if len(own) == 1 and own[0] in self.laws})
 
     def with_targets(self, K: Targets, *, region: Optional[int] = None) -> CGCProblem:
         """Return the problem with these target Gaussian curvatures.
@@ -319,7 +329,6 @@ class CGCProblem:
                 targets[within[region]] = law.k
             else:
                 own[region] = law
-                targets[within[region]] = np.nan
         return replace(self, targets=targets, laws=own)
 
     def region_laws(self) -> list[Optional[Law]]:
@@ -327,12 +336,6 @@ class CGCProblem:
         targets = self.region_targets()
         constant = [None if K is None else ConstantCurvature(K) for K in targets]
         return [self.laws.get(region, law) for region, law in enumerate(constant)]
-
-    def _checked_laws(self) -> Mapping[int, Law]:
-        laws = dict(self.laws or {})
-        if laws:
-            self._within_regions(laws)
-        return {int(region): as_law(laws[region]) for region in sorted(laws)}
 
     def with_goals(self, goals: Iterable[Union[Constraint, Mapping[str, object]]], add: bool = True) -> CGCProblem:
         """Return the problem with these goals, added to the present ones unless `add` is false.

@@ -144,7 +144,7 @@ def solve(
     posed = posed.with_goals([*as_goals(goals), *found])
     posed = _found_for_goals(posed)
     own = method if chosen is None else method_of(chosen)
-    _check_laws(own, posed)
+    _check_laws(own, posed, chosen)
     _check_constraints(own, posed)
     told = callback and _RealOnly(callback, posed.roles != DUMMY)
     drawn = posed.drawn if own in ("auto", "bending", "projection") else None
@@ -189,8 +189,13 @@ def chosen_settings(method: str, settings: Union[Settings, Mapping[str, Any], No
     return settings
 
 
-def _check_laws(method: str, problem: CGCProblem) -> None:
-    if problem.laws and method != "auto" and not METHODS[method].any_law:
+def _check_laws(method: str, problem: CGCProblem, settings: Optional[Settings]) -> None:
+    if not problem.laws:
+        return
+    measure = "auto" if settings is None else settings.to_dict().get("measure", "auto")
+    if measure != "auto":
+        raise ValueError(f"the measure {measure!r} reads constant K only; with other laws leave it at 'auto'")
+    if method != "auto" and not METHODS[method].any_law:
         able = " or ".join(repr(own.name) for own in METHODS.values() if own.any_law)
         raise ValueError(f"only the method {able} takes laws other than constant K; use it, or 'auto' without settings of another method")
 

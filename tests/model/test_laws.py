@@ -12,6 +12,7 @@ from compas_cgc import ConstantMeanCurvature
 from compas_cgc import LinearWeingarten
 from compas_cgc import Minimal
 from compas_cgc import check
+from compas_cgc import write
 from compas_cgc.model.laws import Piecewise
 from compas_cgc.model.laws import as_law
 
@@ -129,10 +130,25 @@ def test_a_mesh_keeps_its_laws_through_its_operations(tmp_path):
     ):
         assert [same.region_law(region) for region in (0, 1)] == laws
     assert [joined.region_law(region) for region in range(4)] == [*laws, laws[0], laws[0]]
+    assert mesh.region_target(1) is None
     mesh.scale(10)
     assert mesh.region_law(1) == LinearWeingarten(20.0, 50.0, 0.3)
     mesh.set_target(0.02, region=1)
     assert mesh.region_law(1) == ConstantCurvature(0.02)
+
+
+def test_laws_follow_their_faces_when_creases_change():
+    problem = _two_regions().to_problem().with_laws({1: "minimal"})
+    more = problem.with_creases([[4 + 9 * i for i in range(9)]], add=True)
+    assert [str(law) for law in more.region_laws()] == ["K = 0.01", "K = 0.01", "H = 0", "H = 0"]
+    assert problem.with_creases([]).laws == {}
+
+
+def test_formats_without_laws_say_so(tmp_path):
+    mesh = _two_regions()
+    mesh.set_law("minimal", region=1)
+    assert write(tmp_path / "roof.json", mesh) == []
+    assert "laws of regions 1 are not in roof.obj" in write(tmp_path / "roof.obj", mesh)[0]
 
 
 def test_a_hyperbolic_law_is_refused_where_the_whole_boundary_is_held():

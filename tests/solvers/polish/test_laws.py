@@ -161,3 +161,5 @@ def test_a_law_given_to_solve_is_that_of_the_result():
     assert mesh.region_law(0) is None
     with pytest.raises(ValueError, match="only the method 'bending' takes laws"):
         solve(mesh, laws="H = 0.1", method="newton")
+    with pytest.raises(ValueError, match="the measure 'exact' reads constant K only"):
+        solve(mesh, laws="H = 0.1", settings={"measure": "exact"})
