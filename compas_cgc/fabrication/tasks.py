@@ -79,7 +79,10 @@ def _unroll(surface: PosesProblem, settings: dict[str, Any]) -> Any:
         shortest = {name: settings[name] for name in ("shortest",) if name in settings}
         how = {**_joints(settings), **shortest}
         settings = {**settings, **shortest, "panels": panels(surface, how.pop("size", None), **how)}
-    return unroll(surface, size and [own.within(units) for own in size], **settings)
+    elif "along" in settings:
+        raise CGCError("the direction of a grid needs its size: give size, count, columns or rows too, or omit along")
+    sizes = size and [own.within(units) if isinstance(own, values.Sheet) else own for own in size]
+    return unroll(surface, sizes, **settings)
 
 
 def _membrane(surface: PosesProblem, settings: dict[str, Any]) -> Any:
