@@ -141,7 +141,8 @@ def rationalise(
     moves = NormalMoves(panelling, fixed)
     stop = _Stop(callback)
     best = _assigned(moves, moulds, flat, within, locked, stop)
-    return _result(read, panelling, moves, fixed, best, within, stop)
+    tried = MAX_MOULDS if moulds is None else len(best.assigned.values)
+    return _result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels))
 
 
 def _fixed(design: Design, panelling: Panelling, supports: Union[str, Sequence[Sequence[float]], None]) -> Mask:
@@ -196,7 +197,7 @@ def _assigned(
             )
         best = None
         for count in range(1, min(MAX_MOULDS, moves.panels) + 1):
-            found = assign(moves, Moulds(count, flat=flat), stop.shown)
+            found = _evened(moves, Moulds(count, flat=flat), stop)
             best = found if best is None or found.distance < best.distance else best
             if best.distance <= within or stop.stopped:
                 return best
@@ -207,7 +208,7 @@ def _assigned(
             raise CGCError(f"moulds must be a number from 1 up, or radii, not {moulds!r}")
         if locked:
             raise CGCError("locked panels need existing moulds; give the radii of the moulds as moulds=[...]")
-        return assign(moves, Moulds(min(int(moulds), moves.panels), flat=flat), stop.shown)
+        return _evened(moves, Moulds(min(int(moulds), moves.panels), flat=flat), stop)
     values = catalogue(moulds)  # type: ignore[arg-type]
     own = None
     if locked:
@@ -219,19 +220,25 @@ def _assigned(
                     f"there are {moves.panels} panels and {len(values)} moulds, counted from 0"
                 )
             own[number] = mould
-    return assign(moves, Moulds(len(values), values, locked=own), stop.shown)
+    return _evened(moves, Moulds(len(values), values, locked=own), stop)
+
+
+def _evened(moves: NormalMoves, moulds: Moulds, stop: _Stop) -> Placed:
+    """Return the best assignment of panels to moulds, with its largest distances reduced unless it was cancelled."""
+    found = assign(moves, moulds, stop.shown)
+    return found if stop.stopped else evened(moves, found)
 
 
 def _result(
-    design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, best: Placed, within: Optional[float], stop: _Stop
+    design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, best: Placed, within: Optional[float], stop: _Stop, tried: int
 ) -> Rationalised:
     """Return an assignment with its surface solved in the exact measure."""
-    done = finished(moves, best if stop.stopped else evened(moves, best))
+    done = finished(moves, best)
     curvatures, classes = np.unique(done.assigned.K, return_inverse=True)
     solved = _solved(design, panelling, moves, fixed, curvatures[classes], moves.shape(done.moves))
     found = Rationalised(solved, curvatures, classes, panelling, design, within, stop.stopped)
     if within is not None and not found.kept and not stop.stopped:
-        found = Rationalised(solved, curvatures, classes, panelling, design, within, False, _suggestion(found, within))
+        found = Rationalised(solved, curvatures, classes, panelling, design, within, False, _suggestion(found, within, tried))
     return found
 
 
@@ -243,13 +250,13 @@ def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mas
     return solve(problem, method="projection", settings={"keep": "shape", "measure": "exact"})
 
 
-def _suggestion(found: Rationalised, within: float) -> str:
+def _suggestion(found: Rationalised, within: float, tried: int) -> str:
     """Return what to change so that a distance is kept: distances go about as the width of panels squared, and as one over moulds."""
     ratio = found.distance.largest / within
-    moulds = int(np.ceil(len(found.curvatures) * ratio))
+    moulds = max(int(np.ceil(len(found.curvatures) * ratio)), tried + 1)
     return (
-        f"the distance of {found.distance.largest:.3g} exceeds {within:.3g}, the best found for {len(found.curvatures)} moulds; "
-        f"try {moulds} moulds, or panels narrower by a factor of {np.sqrt(ratio):.2g}"
+        f"the distance of {found.distance.largest:.3g} exceeds {within:.3g}, the best found for up to {tried} moulds; "
+        f"try {moulds} moulds, or panels narrower by a factor of {np.ceil(20.0 * np.sqrt(ratio)) / 20.0:.3g}"
     )
 
 
