@@ -26,7 +26,8 @@ from .normal_moves import Sensitivities
 
 __all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
 
-STEPS = 3  # of Newton's method after K has changed
+STEPS, LINEARISATIONS = 3, 8  # of Newton's method after K has changed: steps with the same factors, and how often
+CLOSE = 0.05  # deviation of K times the area, below which a surface has its K
 RELAXATIONS = 2  # at most, towards the surface of least energy
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
@@ -153,7 +154,7 @@ def finished(moves: NormalMoves, placed: Placed) -> Placed:
     for _ in range(FINISHING):
         if moves.error(here, assigned.K) <= DONE:
             break
-        here = moves.step(here, assigned.K)
+        here = moves.newton(here, assigned.K, 1)
     return Placed(assigned, here, _norm(moves, here))
 
 
@@ -230,8 +231,13 @@ def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Place
 
 
 def _placed(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
-    here = moves.newton(near, assigned.K, STEPS)
-    return Placed(assigned, here, _norm(moves, here) if np.isfinite(here).all() else np.inf)
+    """Return an assignment with a surface near given moves, of infinite norm where there is none."""
+    here = near
+    for _ in range(LINEARISATIONS):
+        here = moves.newton(here, assigned.K, STEPS)
+        if moves.error(here, assigned.K) <= CLOSE:
+            return Placed(assigned, here, _norm(moves, here))
+    return Placed(assigned, here, np.inf)
 
 
 def _norm(moves: NormalMoves, own: FloatArray) -> float:

@@ -30,6 +30,7 @@ __all__ = ["LinearMoves", "NormalMoves", "Sensitivities", "Weights"]
 PENALTY = 1e4  # of squared deviations of K, against squared moves, in lengths of the design; multipliers remove what it leaves
 FOLD_LENGTH = 1.0  # in widths of a panel, times the angle of a fold: what counts as much as a distance of that size
 CORRECTIONS = 2  # of the multipliers
+SHORTEST = 0.02  # part of a step of Newton's method
 
 
 class Weights(NamedTuple):
@@ -140,22 +141,29 @@ class NormalMoves:
         residual, areas = self._measured(moves, K)
         return float(np.abs(residual / areas).max(initial=0.0)) * self.size**2
 
-    def step(self, moves: FloatArray, K: FloatArray) -> FloatArray:
-        """Return the moves (c,) after a step of Newton's method to the K (p,) of the panels, by the change of least energy."""
-        system = self._linearised(moves, K)
-        return moves - system.solved(system.residual[:, None])[:, 0]
-
     def relaxed(self, moves: FloatArray, K: FloatArray) -> FloatArray:
         """Return the moves (c,) of least energy with the K (p,) of the panels, to first order about moves (c,)."""
         system = self._linearised(moves, K)
         return system.solved((system.jacobian @ moves - system.residual)[:, None])[:, 0]
 
     def newton(self, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
-        """Return the moves (c,) after steps to the K (p,) of the panels, all with the factors of the first."""
+        """Return the moves (c,) after steps to the K (p,) of the panels, each by the change of least energy.
+
+        All steps use the factors of the first. A step that would increase the deviations from K is halved.
+        """
         system = self._linearised(moves, K)
-        for taken in range(steps):
-            residual = system.residual if not taken else self._measured(moves, K)[0]
-            moves = moves - system.solved(residual[:, None])[:, 0]
+        residual = system.residual
+        for _ in range(steps):
+            change = system.solved(residual[:, None])[:, 0]
+            length = 1.0
+            while length > SHORTEST:
+                there = self._measured(moves - length * change, K)[0]
+                if np.linalg.norm(there) < np.linalg.norm(residual):
+                    break
+                length /= 2.0
+            else:
+                break
+            moves, residual = moves - length * change, there
         return moves
 
     def linearised(self, moves: FloatArray, K: FloatArray, groups: Optional[IntArray] = None) -> LinearMoves:

@@ -86,13 +86,13 @@ def test_moves_by_the_linear_model_are_those_of_the_solve():
     nothing = np.zeros(len(moves.columns))
     K = moves.mean_curvatures(nothing)
     for _ in range(6):
-        nothing = moves.step(nothing, K)
+        nothing = moves.newton(nothing, K, 1)
     base, change = nothing, np.zeros(moves.panels)
     change[[5, 12]] = 1e-5, -1e-5
     predicted = moves.linearised(base, K).by_panel @ change
     solved = base
     for _ in range(6):
-        solved = moves.step(solved, K + change)
+        solved = moves.newton(solved, K + change, 1)
     assert moves.error(base, K) < 1e-9 and moves.error(solved, K + change) < 1e-9
     assert np.abs(solved - base - predicted).max() < 0.02 * np.abs(predicted).max()
 
