@@ -87,14 +87,14 @@ class Law:
         """Return the same law, with first derivatives of order one."""
         return self
 
-    def discriminant(self, H: FloatArray, K: FloatArray) -> Curvature:
+    def discriminant(self, H: FloatArray, K: FloatArray) -> FloatArray:
         r"""Return :math:`f_H^2 + 4 f_H f_K H + 4 f_K^2 K`, whose sign is the type: elliptic > 0, parabolic = 0, hyperbolic < 0.
 
         Normal moves u change f by :math:`-\operatorname{tr}((\tfrac12 f_H I + f_K \operatorname{cof} S) \nabla^2 u)` in the second
         derivatives of u; the discriminant is four times the determinant of this symbol.
         """
         by_H, by_K = self.first_derivatives(H, K)
-        return by_H**2 + 4.0 * by_H * by_K * H + 4.0 * by_K**2 * K
+        return np.asarray(by_H**2 + 4.0 * by_H * by_K * H + 4.0 * by_K**2 * K)
 
     def excluded_within(self, length: float, area: float) -> str:
         """Return why no surface obeys the law within a plane closed curve of this length [L] and area [L^2], empty if one may."""
@@ -130,7 +130,7 @@ class _Linear(Law):
     def second_derivatives(self, H: FloatArray, K: FloatArray) -> Second:
         return None
 
-    def discriminant(self, H: FloatArray, K: FloatArray) -> Curvature:
+    def discriminant(self, H: FloatArray, K: FloatArray) -> FloatArray:
         a, b, c = self.coefficients
         return np.broadcast_to(a**2 + 4.0 * b * c, np.shape(H))
 

@@ -23,6 +23,8 @@ from .settings import Settings
 
 __all__ = ["solved_on"]
 
+FLAT = np.zeros(1)  # curvature of a plane
+
 
 def solved_on(
     problem: CGCProblem, drawn: CGCProblem, method: str = "auto", settings: Optional[Settings] = None, callback: Callback = None
@@ -45,13 +47,13 @@ def solved_on(
     Returns
     -------
     Solution or None
-        None where it leads to no fair one, K changes its sign, or another method than bending or the projection is chosen.
+        None where it leads to no fair one, K changes its sign or a law its type, or neither bending nor the projection is chosen.
     """
     before = problem if problem.origin is None else problem.origin.drawn
     first = choose(drawn, settings)[0] if method == "auto" else Choice(method, "it was asked for")
     own = settings_of(METHODS[first.method], settings)
     if first.method == "bending":
-        if drawn.goals or (np.sign(problem.targets) != np.sign(before.targets)).any():
+        if drawn.goals or not _of_same_types(problem, before):
             # From a dome no way leads to a saddle.
             return None
         solution = polish(drawn, settings=own, start=problem.vertices, callback=callback)  # type: ignore[arg-type]
@@ -74,3 +76,9 @@ def solved_on(
     )
     message = f"{solution.message}; by the method {first.method}, on from the surface that was found before"
     return solution._replace(method=first.method, verdict=judged, message=message) if judged.fair else None
+
+
+def _of_same_types(problem: CGCProblem, before: CGCProblem) -> bool:
+    """Return whether all targets have the same signs, and all laws the same types."""
+    types = [{region: float(np.sign(law.discriminant(FLAT, FLAT))[0]) for region, law in own.laws.items()} for own in (problem, before)]
+    return np.array_equal(np.sign(problem.targets), np.sign(before.targets), equal_nan=True) and types[0] == types[1]

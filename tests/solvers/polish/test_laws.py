@@ -163,3 +163,11 @@ def test_a_law_given_to_solve_is_that_of_the_result():
         solve(mesh, laws="H = 0.1", method="newton")
     with pytest.raises(ValueError, match="the measure 'exact' reads constant K only"):
         solve(mesh, laws="H = 0.1", settings={"measure": "exact"})
+
+
+def test_a_slider_of_a_law_goes_on_from_the_surface_before():
+    first = solve(_roof(9))
+    on = solve(first.mesh, laws={1: "H = 0.055"})
+    cold = solve(_roof(9), laws={1: "H = 0.055"})
+    assert "on from the surface that was found before" in on.message
+    assert np.abs(on.vertices - cold.vertices).max() < 1e-6
