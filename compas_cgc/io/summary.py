@@ -45,7 +45,8 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     for number, K in enumerate(targets):
         faces = problem.faces[label == number]
         place = ", ".join(f"{x:.4g}" for x in problem.vertices[faces].mean(axis=(0, 1)))
-        lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}{_panels(K)}'}")
+        asked = str(problem.laws.get(number, "no target")) if K is None else f"K = {K:g}{_panels(K)}"
+        lines.append(f"- region {number} around ({place}): {len(faces)} faces, {asked}")
     return "\n".join(lines), [*read.diagnostics, *check(problem)]
 
 

@@ -25,7 +25,7 @@ class LawErrors(NamedTuple):
     law: Law
     vertices: IntArray  # (k,)
     residuals: FloatArray  # (k,) in the units of the law
-    relative: FloatArray  # (k,) against what a sphere with the typical curvature of the region would have
+    relative: FloatArray  # (k,) against that of a sphere with the typical curvature of the region, prescribed or actual
 
 
 def law_errors(problem: CGCProblem) -> list[LawErrors]:
@@ -47,7 +47,8 @@ def law_errors(problem: CGCProblem) -> list[LawErrors]:
         H, K = found.mean[own], found.gaussian[own]
         residuals = law.residual(H, K)
         by_H, by_K = law.first_derivatives(H, K)
-        typical = max(float(np.sqrt(np.mean(np.maximum(2.0 * H**2 - K, 0.0)))) if len(H) else 0.0, FLAT / size)
+        asked = max(abs(float(part)) for part in law.shape())
+        typical = max(float(np.sqrt(np.mean(np.maximum(2.0 * H**2 - K, 0.0)))) if len(H) else 0.0, asked, FLAT / size)
         relative = np.abs(residuals) / (np.abs(by_H) * typical + np.abs(by_K) * typical**2)
         errors.append(LawErrors(region, law, found.pairs[own, 0], residuals, relative))
     return errors

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from compas_cgc import CGCMesh
+from compas_cgc import analyse
 from compas_cgc import solve
 from compas_cgc.discrete import vertex_normals
 from compas_cgc.model.laws import Law
@@ -130,6 +131,14 @@ def _roof(n: int) -> CGCMesh:
     mesh.set_target(0.0, region=2)
     mesh.set_law("H = 0.05", region=1)
     return mesh
+
+
+def test_the_verdict_and_the_report_read_the_law():
+    flat = _roof(9)
+    judged = analyse(flat)
+    assert "region 1 deviates from its law H = 0.05 by 100 % (median)" in str(judged.verdict)
+    region = analyse(solve(flat)).regions[1]
+    assert region.law == "H = 0.05" and region.target is None and region.max_error < 0.3 * 0.05
 
 
 def test_laws_beside_each_other_make_a_fair_roof():
