@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import NamedTuple
+from typing import Optional
 from typing import Union
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..discrete.arrays import IntArray
 from ..errors import CGCError
 from ..model.given import checked_number
 from .curves import CurveNet
+from .curves.net import NetCurve
 from .materials import Material
 from .materials import material_named
 from .materials import metres_per_unit
@@ -22,6 +24,7 @@ from .materials import metres_per_unit
 __all__ = ["Lath", "LathSchedule", "lath_schedule"]
 
 ON_CURVE = 1e-6  # distance of a node from a curve, relative to the size of the net, up to which it lies on it
+LEVEL_TOLERANCE = 0.25  # of the shortest side, up to which a node lies on a coordinate line
 MIN_KNOTS, POINTS_PER_KNOT = 5, 4  # of the splines through curves
 
 
@@ -91,19 +94,19 @@ def lath_schedule(
         raise CGCError(f"the stock length must be at least 0, not {stock!r}")
     stuff, unit = material_named(material), metres_per_unit(net.problem.drawing.units)
     size = float(np.linalg.norm(np.ptp(net.problem.vertices, axis=0)))
-    found = [_along(curve.points, net.nodes, ON_CURVE * size) for curve in curves]
+    feet = {region: surface.feet(net.nodes) for region, surface in net.surfaces.items()}
+    found = [_followed(net, curve, feet.get(curve.region), ON_CURVE * size) for curve in curves]
     crossing = np.full((len(net.nodes), 2), -1)
-    for k, (curve, (nodes, _)) in enumerate(zip(curves, found)):
-        crossing[nodes, curve.family] = k
-    tangents = [_tangents(curve.points, stations) for curve, (nodes, stations) in zip(curves, found)]
+    for k, (curve, own) in enumerate(zip(curves, found)):
+        crossing[own.nodes, curve.family] = k
     directions = np.full((len(net.nodes), 2, 3), np.nan)
     normals = np.zeros((len(net.nodes), 3))
     own_normals = face_normals(net.problem.vertices, net.problem.faces)
-    for curve, (nodes, stations), (tangent, _) in zip(curves, found, tangents):
-        directions[nodes, curve.family] = tangent
+    for curve, own in zip(curves, found):
+        directions[own.nodes, curve.family] = own.tangents
         at = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(curve.points, axis=0), axis=1))]
-        segment = np.clip(np.searchsorted(at, stations) - 1, 0, len(curve.faces) - 1)
-        normals[nodes] += own_normals[curve.faces[segment]]
+        segment = np.clip(np.searchsorted(at, own.stations) - 1, 0, len(curve.faces) - 1)
+        normals[own.nodes] += own_normals[curve.faces[segment]]
     side = np.einsum("ni,ni->n", np.cross(directions[:, 0], directions[:, 1]), normals)
     angles = np.arctan2(
         np.sign(side) * np.linalg.norm(np.cross(directions[:, 0], directions[:, 1]), axis=1),
@@ -111,21 +114,21 @@ def lath_schedule(
     )
     targets = net.problem.region_targets()
     laths = []
-    for k, (curve, (nodes, stations), (tangent, bend)) in enumerate(zip(curves, found, tangents)):
+    for k, (curve, (nodes, stations, length, tangent, bends)) in enumerate(zip(curves, found)):
         K = targets[curve.region] or 0.0
         # The curvature vector of an asymptotic curve lies in the tangent plane.
         left = np.cross(normals[nodes], tangent)
-        bending = np.einsum("ki,ki->k", bend, left / np.maximum(np.linalg.norm(left, axis=1, keepdims=True), np.finfo(float).tiny))
+        bending = np.einsum("ki,ki->k", bends, left / np.maximum(np.linalg.norm(left, axis=1, keepdims=True), np.finfo(float).tiny))
         twist = _handedness(angles[nodes], curve.family) * math.sqrt(-K)
         stress, shear = _stress(stuff, 1e-3 * width, 1e-3 * thickness, np.abs(bending).max(initial=0.0) / unit, abs(twist) / unit)
-        splices = _splices(curve.length, stations, stock) if stock else ()
+        splices = _splices(length, stations, stock) if stock else ()
         across = crossing[nodes, 1 - curve.family] + 1
         laths.append(
             Lath(
                 k + 1,
                 curve.region,
                 curve.family,
-                curve.length,
+                length,
                 nodes,
                 stations,
                 across,
@@ -138,6 +141,36 @@ def lath_schedule(
             )
         )
     return LathSchedule(laths, float(width), float(thickness), stuff, unit)
+
+
+class _Followed(NamedTuple):
+    """Nodes along a curve."""
+
+    nodes: IntArray  # (k,)
+    stations: FloatArray  # (k,) [L]
+    length: float  # of the curve [L]
+    tangents: FloatArray  # (k, 3) unit
+    bends: FloatArray  # (k, 3) curvature vectors [1/L]
+
+
+def _followed(net: CurveNet, curve: NetCurve, at: Optional[FloatArray], near: float) -> _Followed:
+    """Return the nodes along a curve: by their coordinates (n, 2) on the surface of constant K, or else along the polyline."""
+    surface = net.surfaces.get(curve.region)
+    if surface is None or at is None:
+        nodes, stations = _along(curve.points, net.nodes, near)
+        return _Followed(nodes, stations, curve.length, *_tangents(curve.points, stations))
+    ends = surface.feet(curve.points[[0, -1]])
+    own, other = curve.family, 1 - curve.family
+    # Nodes of other regions do not lie on this surface.
+    on = np.linalg.norm(surface.values(at) - net.nodes, axis=1) < near
+    on &= np.abs(at[:, other] - ends[:, other].mean()) < LEVEL_TOLERANCE * net.lengths.min()
+    way = float(np.sign(ends[1, own] - ends[0, own]))
+    nodes = np.flatnonzero(on)
+    nodes = nodes[np.argsort(way * at[nodes, own], kind="stable")]
+    first, second = (surface.values(at[nodes], *((order, 0) if own == 0 else (0, order))) for order in (1, 2))
+    stations = way * (at[nodes, own] - ends[0, own])
+    tangents = way * first / np.linalg.norm(first, axis=1, keepdims=True)
+    return _Followed(nodes, stations, float(abs(ends[1, own] - ends[0, own])), tangents, second)
 
 
 def _along(points: FloatArray, nodes: FloatArray, near: float) -> tuple[IntArray, FloatArray]:
@@ -184,7 +217,7 @@ def _splices(length: float, stations: FloatArray, stock: float) -> tuple[float, 
     middles = 0.5 * (stations[1:] + stations[:-1])
     found, start = [], 0.0
     while length - start > stock:
-        possible = middles[(middles > start) & (middles <= start + stock)]
+        possible = middles[(middles > start) & (middles - start <= stock)]
         if not len(possible):
             raise CGCError(f"no splice (middle between two nodes) lies within a stock length of {stock:g} model units; use longer stock")
         start = float(possible[-1])

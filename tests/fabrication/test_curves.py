@@ -11,6 +11,7 @@ import pytest
 from compas_cgc import CGCError
 from compas_cgc import CGCProblem
 from compas_cgc import solve
+from compas_cgc.discrete import boundary_vertices
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication.shape_operators import shape_operators
 from compas_cgc.io.nets import write_net
@@ -29,7 +30,10 @@ def patch(n, K) -> CGCProblem:
 
 def test_an_asymptotic_net_has_equal_sides_the_more_the_finer_the_mesh():
     """Chebyshev: asymptotic curves of constant K < 0 cross at equal distances."""
-    off = [np.abs(curve_net(patch(n, -0.02), 0.5).lengths / 0.5 - 1.0).max() for n in (20, 40)]
+    nets = [curve_net(patch(n, -0.02), 0.5) for n in (20, 40)]
+    # Sides are equal on the surface of constant K, from which the mesh deviates the less the finer it is.
+    assert all(np.abs(net.lengths / 0.5 - 1.0).max() < 1e-9 for net in nets)
+    off = [net.surfaces[0].off.max() / 0.5 for net in nets]
     assert off[0] < 0.01 and off[1] < 0.5 * off[0]
 
 
@@ -59,10 +63,12 @@ def test_the_net_of_a_saddle_solved_from_a_flat_start(stretch):
     assert len(net.lengths) > 300
     assert np.abs(net.lengths - 1.0).max() < 0.015
     # What is asymptotic does not bend across the surface.
+    # Fits of shape operators are inaccurate beside the point supports, on free edges.
+    inside = ~boundary_vertices(net.problem.vertices, net.problem.faces)[net.problem.faces].any(axis=1)
     S, most = shape_operators(net.problem.vertices, net.problem.faces).operators, 0.0
     for curve in net.curves:
         step = np.diff(curve.points, axis=0)
-        long = np.linalg.norm(step, axis=1) > 0.05
+        long = (np.linalg.norm(step, axis=1) > 0.05) & inside[curve.faces]
         step, own = step[long] / np.linalg.norm(step[long], axis=1)[:, None], S[net.problem.faces[curve.faces[long]]].mean(axis=1)
         most = max(most, np.abs(np.einsum("ki,kij,kj->k", step, own, step)).max(initial=0.0))
     assert most < 0.05 * 0.01**0.5

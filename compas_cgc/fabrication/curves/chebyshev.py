@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -14,19 +15,30 @@ from ...discrete.arrays import PerVertex
 from ...linalg import factorise
 from ..seams import opens_to_disks
 from .crossings import is_long
+from .k_surface import KSurface
+from .k_surface import fit_k_surface
 from .trace import EDGE_MARGIN
 from .trace import DirectionField
 from .trace import Traced
 
-__all__ = ["LENGTH_TOLERANCE", "chebyshev_net"]
+__all__ = ["LENGTH_TOLERANCE", "ChebyshevNet", "chebyshev_net"]
 
 LENGTH_TOLERANCE = 0.03  # relative error of lengths in a face; a side of a net crosses several faces
+MAX_DEVIATION = 2e-3  # of the mesh from the nearest surface of constant K, relative to its size, up to which it is used
 ROUNDS = 8  # largest number of rounds of correcting directions by lengths
 
 Pair = tuple[FloatArray, FloatArray]  # one array per family
 
 
-def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[tuple[float, list[list[Traced]]]]:
+class ChebyshevNet(NamedTuple):
+    """Both families of asymptotic curves at one spacing."""
+
+    error: float  # largest relative error of lengths in a face
+    lines: list[list[Traced]]
+    surface: Optional[KSurface]  # nearest surface of constant K; None if the fit failed
+
+
+def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[ChebyshevNet]:
     r"""Return the largest length error in a face and both families of asymptotic curves at a spacing, with two curves through the centre.
 
     On a surface of constant K < 0 the asymptotic curves are coordinate lines u, v with arc length as parameter. The coordinates
@@ -36,7 +48,8 @@ def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[t
 
     with derivatives along the two asymptotic directions. This spreads discretisation errors over the surface, while they would
     accumulate from curve to curve in tracing. Lengths on a mesh are more accurate than directions, so the directions are
-    recomputed from the coordinate lines until the sides are equal.
+    recomputed from the coordinate lines until the sides are equal. The surface of constant K nearest to the mesh then gives the final
+    coordinates.
 
     Parameters
     ----------
@@ -49,7 +62,7 @@ def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[t
 
     Returns
     -------
-    tuple of a float and two lists of Traced, or None
+    ChebyshevNet or None
         None if the region has a hole, if it lacks asymptotic directions in most faces, or if these have a singularity.
 
     References
@@ -64,7 +77,31 @@ def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[t
         if off < LENGTH_TOLERANCE:
             break
         directions, values, off = _coordinates(field, directions)
-    return off, [_lines(field, each, spacing) for each in values]
+    surface = _nearest(field, directions, values, K)
+    if surface is not None:
+        used = np.unique(field.faces)
+        values = np.full_like(values[0], np.nan), np.full_like(values[1], np.nan)
+        values[1][used], values[0][used] = surface.at.T
+    return ChebyshevNet(off, [_lines(field, each, spacing) for each in values], surface)
+
+
+def _nearest(field: DirectionField, directions: Pair, values: Pair, K: float) -> Optional[KSurface]:
+    """Return the surface of constant K nearest to the vertices, None if it is too far from them."""
+    used, corners = np.unique(field.faces, return_inverse=True)
+    corners = corners.reshape(-1, 3)
+    points, at = field.vertices[used], np.column_stack([values[1][used], values[0][used]])
+    first, second = (np.einsum("fk,fki->fi", each, field.axes) for each in directions)
+    cosines = np.einsum("fi,fi->f", first, second) / (np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1))
+    angles = np.bincount(corners.ravel(), np.repeat(np.arccos(np.clip(cosines, -1.0, 1.0)), 3)) / np.bincount(corners.ravel())
+    centre = int(np.argmin((at**2).sum(axis=1)))
+    face = int(np.argmax((corners == centre).any(axis=1)))
+    tangent = first[face] / np.linalg.norm(first[face])
+    normal = np.cross(*field.axes[face])
+    # The second family is to the left of the first.
+    normal *= np.sign(np.cross(tangent, second[face]) @ normal)
+    found = fit_k_surface(points, at, angles, np.array([tangent, np.cross(normal, tangent), normal]), K, points[centre])
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return found if found is not None and found.off.max() < MAX_DEVIATION * size else None
 
 
 def _coordinates(field: DirectionField, directions: Pair) -> tuple[Pair, Pair, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from dataclasses import field as dataclass_field
 from typing import NamedTuple
 from typing import Optional
 from typing import Union
@@ -26,6 +27,7 @@ from ..shape_operators import shape_operators
 from ..solved import chosen_regions
 from ..solved import solved_problem
 from .chebyshev import LENGTH_TOLERANCE
+from .chebyshev import ChebyshevNet
 from .chebyshev import chebyshev_net
 from .crossings import arc_lengths_of
 from .crossings import bow_of
@@ -33,6 +35,7 @@ from .crossings import crossings
 from .growth import MAX_CURVES
 from .growth import curves_through
 from .growth import grown_net
+from .k_surface import KSurface
 from .trace import ASYMPTOTIC
 from .trace import CURVATURE
 from .trace import RULING
@@ -132,6 +135,8 @@ class CurveNet:
         (s,) lengths of the sides along the curves [L].
     notes
         Sentences on regions without curves or without a net of equal sides.
+    surfaces
+        Surface of constant K nearest to the mesh, on which the nodes lie, by region.
 
     Examples
     --------
@@ -149,6 +154,7 @@ class CurveNet:
     sides: IntArray  # (s, 2) consecutive nodes along curves
     lengths: FloatArray  # (s,) lengths of the sides along the curves [L]
     notes: tuple[str, ...] = ()  # sentences on regions without curves or without a net of equal sides
+    surfaces: dict[int, KSurface] = dataclass_field(default_factory=dict)  # nearest surface of constant K, by region
 
     def summary(self) -> str:
         """Return lines of text with counts, lengths of sides and straightness of rulings."""
@@ -166,6 +172,12 @@ class CurveNet:
         if len(self.lengths) and self.spacing and all(curve.kind == NAMES[ASYMPTOTIC] for curve in self.curves):
             low, high = self.lengths.min() / self.spacing, self.lengths.max() / self.spacing
             lines.append(f"{len(self.nodes)} nodes, {len(self.sides)} sides of {low:.4f} to {high:.4f} times the spacing {self.spacing:g}")
+        for region, surface in self.surfaces.items():
+            middle, most = (f"{1e3 * metres * value:.2g} mm" for value in (float(np.median(surface.off)), float(surface.off.max())))
+            lines.append(
+                f"region {region}: nodes lie on the surface of constant K nearest to the mesh, whose vertices deviate from it by {middle} "
+                f"(median), {most} at most"
+            )
         return "\n".join([*lines, *self.notes])
 
     __str__ = summary
@@ -231,6 +243,7 @@ def curve_net(
     points = _points(problem, through)
     step = spacing
     notes: list[str] = []
+    surfaces: dict[int, KSurface] = {}
     for region in chosen:
         own = np.flatnonzero(label == region)
         K = targets[region]
@@ -241,13 +254,13 @@ def curve_net(
         size = _size(problem, own)
         step = spacing or size * DEFAULT_SPACING
         check_spacing(size, step, region)
-        equal: Optional[list[list[Traced]]] = None
+        equal: Optional[ChebyshevNet] = None
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
             if kind == ASYMPTOTIC:
                 equal = _equal_net(problem, region, own, step, K)
-            traced = grown_net(field, kind, step, size, stop) if equal is None else equal
+            traced = grown_net(field, kind, step, size, stop) if equal is None else equal.lines
         else:
             traced = curves_through(field, kind, points, _supports_of(problem, region, through))
         if not any(traced):
@@ -260,6 +273,10 @@ def curve_net(
             )
         first = sum(map(len, nodes))
         places, pairs, along = crossings(field, traced)
+        if equal is not None and equal.surface is not None:
+            surfaces[region] = equal.surface
+            at = step * np.round(equal.surface.feet(places) / step)
+            places, along = equal.surface.values(at), np.abs(at[pairs[:, 0]] - at[pairs[:, 1]]).max(axis=1)
         nodes.append(places)
         sides.append(pairs + first)
         lengths.append(along)
@@ -267,7 +284,7 @@ def curve_net(
     if not curves:
         raise CGCError("; ".join(notes))
     one = None if points is not None else spacing or (step if len(chosen) == 1 else None)
-    return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(notes))
+    return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(notes), surfaces)
 
 
 def usual_spacing(problem: CGCProblem, region: int) -> float:
@@ -302,16 +319,16 @@ def _kind(problem: CGCProblem, target: float, own: IntArray) -> int:
     return CURVATURE if target > 0 else ASYMPTOTIC
 
 
-def _equal_net(problem: CGCProblem, region: int, own: IntArray, spacing: float, K: float) -> Optional[list[list[Traced]]]:
+def _equal_net(problem: CGCProblem, region: int, own: IntArray, spacing: float, K: float) -> Optional[ChebyshevNet]:
     """Return the net of equal sides of a region of K < 0, None if there is none."""
-    best: Optional[tuple[float, list[list[Traced]]]] = None
+    best: Optional[ChebyshevNet] = None
     for degree in DEGREES:
         found = chebyshev_net(_field(problem, region, own, False, degree), spacing, K)
-        if found is not None and (best is None or found[0] < best[0]):
+        if found is not None and (best is None or found.error < best.error):
             best = found
-        if best is not None and best[0] < LENGTH_TOLERANCE:
+        if best is not None and (best.error < LENGTH_TOLERANCE or best.surface is not None):
             break
-    return None if best is None else best[1]
+    return best
 
 
 def _field(problem: CGCProblem, region: int, own: IntArray, ruled: bool, degree: int = DEGREE) -> DirectionField:
