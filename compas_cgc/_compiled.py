@@ -20,7 +20,7 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
-__all__ = ["Compilation", "compile_seconds", "is_stored", "kernel", "watch_compilation"]
+__all__ = ["Compilation", "compile_seconds", "is_compiling", "is_stored", "kernel", "watch_compilation"]
 
 PACKAGE = __name__.rpartition(".")[0]
 log = logging.getLogger(__name__)
@@ -51,13 +51,15 @@ _clock = _Clock()
 _kernels: list[Any] = []
 _compiled: list[str] = []
 _watchers: list[Watcher] = []
+_compiling: set[int] = set()  # identifiers of the threads that compile
 
 
 def kernel(inner: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Return the decorator of a compiled function, which is cached on disk.
 
     To reduce compile times, kernels have no C entry point and no checks for division by zero, which gives infinities as in NumPy.
-    Small kernels without array creation, slices, string formatting or sorting compile fastest.
+    Small kernels without array creation, slices, string formatting or sorting compile fastest. Kernels run without the lock of the
+    interpreter, so that the interface's thread in Rhino and threads of servers go on.
 
     Parameters
     ----------
@@ -69,7 +71,7 @@ def kernel(inner: bool = False, **options: Any) -> Callable[[Callable[..., Any]]
     _listen()
 
     def decorate(function: Callable[..., Any]) -> Any:
-        own = {"cache": not inner, "no_cpython_wrapper": inner, "error_model": "numpy", "no_cfunc_wrapper": True}
+        own = {"cache": not inner, "no_cpython_wrapper": inner, "error_model": "numpy", "no_cfunc_wrapper": True, "nogil": True}
         made = _made(function, {**own, **options})
         _kernels.append(made)
         return made
@@ -81,6 +83,11 @@ def compile_seconds() -> float:
     """Return the wall time that this thread has spent on compilation [s]."""
     running = time.perf_counter() - _clock.started if _clock.depth else 0.0
     return _clock.seconds + running
+
+
+def is_compiling(thread: int) -> bool:
+    """Check whether the thread with an identifier is compiling a kernel."""
+    return thread in _compiling
 
 
 @contextmanager
@@ -183,6 +190,7 @@ def _listen() -> None:
                 return
             if _clock.depth == 0:
                 _clock.started = time.perf_counter()
+                _compiling.add(threading.get_ident())
                 _tell()
                 # Garbage collection would take a sixth of the compile time; only one thread compiles at a time.
                 _clock.collects = gc.isenabled()
@@ -199,6 +207,7 @@ def _listen() -> None:
                     gc.enable()
                 _clock.seconds += time.perf_counter() - _clock.started
                 _compiled.append(name)
+                _compiling.discard(threading.get_ident())
                 _tell()
 
     events.register("numba:compile", Listener())

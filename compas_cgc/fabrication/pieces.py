@@ -220,7 +220,7 @@ def _hull(points: FloatArray) -> IntArray:
         return np.arange(len(points))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _crossing(start: FloatArray, end: FloatArray, tolerance: float) -> bool:
     """Check whether two of the segments (k, 2), sorted by their smaller x, cross by more than a tolerance [L]."""
     for i in range(len(start)):

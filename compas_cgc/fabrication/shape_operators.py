@@ -92,7 +92,7 @@ def principal_curvatures(operators: FloatArray, normals: Vectors) -> PrincipalCu
     return PrincipalCurvatures(*result)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _fitted(V: Vertices, N: Vectors, F: Faces, start: IntArray, near: IntArray, rings: IntArray, degree: int) -> FloatArray:
     n = V.shape[0]
     out = np.full((n, 4, 3), np.nan)
