@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Optional
 
 import numpy as np
@@ -10,6 +11,7 @@ from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
+from ..model.result import SolveState
 from ..model.verdict import verdict
 from .choices import Choice
 from .choices import choose
@@ -21,7 +23,7 @@ from .registry import METHODS
 from .registry import settings_of
 from .settings import Settings
 
-__all__ = ["solved_on"]
+__all__ = ["solved_on", "steps_towards"]
 
 FLAT = np.zeros(1)  # curvature of a plane
 
@@ -82,3 +84,32 @@ def _of_same_types(problem: CGCProblem, before: CGCProblem) -> bool:
     """Return whether all targets have the same signs, and all laws the same types."""
     types = [{region: float(np.sign(law.discriminant(FLAT, FLAT))[0]) for region, law in own.laws.items()} for own in (problem, before)]
     return np.array_equal(np.sign(problem.targets), np.sign(before.targets), equal_nan=True) and types[0] == types[1]
+
+
+def steps_towards(problem: CGCProblem, surface: CGCProblem, steps: int, callback: Callable[[SolveState], object]) -> None:
+    """Show the first steps of the projection from a surface towards the one of other targets over the same drawing.
+
+    Parameters
+    ----------
+    problem
+        The problem as drawn, with the new targets.
+    surface
+        A result's problem. Without the same drawing, supports, creases and signs of K, nothing is shown.
+    steps
+        Number of steps.
+    callback
+        Called after every step; return True to stop.
+    """
+    origin, start = surface.origin, surface.vertices
+    if (
+        origin is None
+        or problem.goals
+        or problem.laws
+        or not all(
+            np.array_equal(getattr(problem, name), getattr(origin.drawn, name)) for name in ("vertices", "faces", "roles", "creases")
+        )
+    ):
+        return
+    if (np.sign(problem.targets) != np.sign(origin.drawn.targets))[problem.asked].any() or np.isnan(problem.targets[problem.asked]).any():
+        return
+    ready(problem).solve(problem.targets, start, callback=lambda state: bool(callback(state)) or state.step >= steps)

@@ -71,24 +71,38 @@ class Normals(list):
         return True
 
 
-class Mesh:
+class Geometry:
+    """What the geometry of Rhino has in common."""
+
+    def parts(self):
+        raise NotImplementedError
+
+    def DataCRC(self, remainder):
+        assert remainder == 0
+        return hash(tuple(map(tuple, self.parts())))
+
+
+class Mesh(Geometry):
     def __init__(self):
         self.Vertices, self.Faces, self.VertexColors, self.Normals = Vertices(), Faces(), Colours(), Normals()
 
+    def parts(self):
+        return self.Vertices, self.Faces
 
-class PolylineCurve:
+
+class PolylineCurve(Geometry):
     def __init__(self, points):
         self.points = list(points)
+
+    def parts(self):
+        return [self.points]
 
     def TryGetPolyline(self):
         return True, list(self.points)
 
 
-class SmoothCurve:
+class SmoothCurve(PolylineCurve):
     """A curve that is no polyline, known by points along it."""
-
-    def __init__(self, points):
-        self.points = list(points)
 
     def TryGetPolyline(self):
         return False, None
@@ -102,13 +116,16 @@ class SerializationOptions:
     pass
 
 
-class Brep:
+class Brep(Geometry):
     """A surface of any kind, which Rhino and rhino3dm encode alike."""
 
     Faces = Edges = Vertices = ()
 
     def __init__(self, inner):
         self.inner = inner
+
+    def parts(self):
+        return [[None if self.inner is None else json.dumps(self.inner.Encode())]]
 
     def ToJSON(self, options):
         assert isinstance(options, SerializationOptions)
@@ -347,6 +364,7 @@ class Component:
         self.balloons = []
         self.expired = True
         self.RunCount = 1
+        self.Locked = False
         self.Params = types.SimpleNamespace(Input=[Parameter(name, 20.0 * i) for i, name in enumerate(inputs)])
 
     def AddRuntimeMessage(self, level, text):

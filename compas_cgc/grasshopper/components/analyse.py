@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from dataclasses import dataclass
 from typing import Any
 from typing import NamedTuple
 from typing import Optional
@@ -12,25 +10,18 @@ import numpy as np
 
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...scene.figures import FIGURES
-from ..runtime.background import BackgroundTask
 from ..runtime.colour_legend import check_figure
 from ..runtime.colour_legend import figure_colours
 from ..runtime.component_feedback import add_warning
-from ..runtime.component_feedback import poll
 from ..runtime.component_feedback import reports_errors
-from ..runtime.component_feedback import set_message
-from ..runtime.headless import is_headless
-from ..runtime.measured import Measured
-from ..runtime.measured import known_measures
 from ..runtime.measured import measure
-from ..runtime.memories import Memories
+from ..runtime.progress import Report
+from ..runtime.runner import Finished
+from ..runtime.runner import Last
+from ..runtime.runner import Runner
 from ..runtime.widgets import offer_values
 
 __all__ = ["AnalyseOutputs", "analyse"]
-
-POLL_INTERVAL = 200  # [ms]
-MAX_WAIT = 2.0  # longest time that the canvas waits for a measurement [s]
-CHECK_INTERVAL = 0.01  # time between two checks for running compilation, which the canvas does not wait for [s]
 
 
 class AnalyseOutputs(NamedTuple):
@@ -47,19 +38,7 @@ class AnalyseOutputs(NamedTuple):
     report: Optional[str] = None
 
 
-@dataclass
-class Memory:
-    """State of a component between two runs."""
-
-    mesh: Any
-    task: BackgroundTask[Measured]
-
-    def end(self) -> None:
-        """Cancel the measurement."""
-        self.task.cancel()
-
-
-_MEMORIES: Memories[Memory] = Memories(Memory.end)
+_RUNNER = Runner(AnalyseOutputs(), "measuring")
 
 
 @reports_errors(AnalyseOutputs)
@@ -68,47 +47,27 @@ def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[
     offer_values(component, "show", FIGURES)
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
+        _RUNNER.reset(component)
         return AnalyseOutputs()
-    show = show.strip() if show else FIGURES[0]
-    check_figure(show)
-    found = known_measures(cgc_mesh) or _measured(component, cgc_mesh)
-    if found is None:
-        return AnalyseOutputs()
+    figure = show.strip() if show else FIGURES[0]
+    check_figure(figure)
+
+    def work(report: Report, last: Last) -> Finished:
+        return _measured(cgc_mesh, figure, aside or 0.0)
+
+    return _RUNNER.outputs(component, (cgc_mesh, figure, aside), work).outputs
+
+
+def _measured(mesh: Any, show: str, aside: float) -> Finished:
+    found = measure(mesh)
     seen = figure_colours(found.figures, show)
-    problem = cgc_mesh.to_problem().without_dummies()
-    set_message(component, f"{show}: largest {seen.limit:.3g}")
+    problem = mesh.to_problem().without_dummies()
     columns = {name: [None if np.isnan(x) else x for x in column.tolist()] for name, column in found.figures.items()}
-    return AnalyseOutputs(
-        mesh=mesh_from_arrays(problem.vertices + [aside or 0.0, 0.0, 0.0], problem.faces, seen.vertices),
+    out = AnalyseOutputs(
+        mesh=mesh_from_arrays(problem.vertices + [aside, 0.0, 0.0], problem.faces, seen.vertices),
         **columns,
         colours=seen.colours,
         legend=seen.legend,
         report=str(found.report),
     )
-
-
-def _measured(component: Any, mesh: Any) -> Optional[Measured]:
-    """Return the measurement, or None if it takes long or is being compiled; the component then runs again when it is available."""
-    memory = _MEMORIES.of(component)
-    if memory is None or memory.mesh is not mesh:
-        _MEMORIES.drop(component)
-        memory = _MEMORIES.keep(component, Memory(mesh, BackgroundTask(measure(mesh))))
-        if is_headless(component):
-            memory.task.wait(None)
-        end = time.monotonic() + MAX_WAIT
-        while memory.task.running and memory.task.progress.compiling is None and time.monotonic() < end:
-            memory.task.wait(CHECK_INTERVAL)
-    task = memory.task
-    if not task.running:
-        _MEMORIES.drop(component)
-        if task.error is not None:
-            raise task.error
-        return task.result
-    set_message(component, task.progress.measuring())
-
-    def is_over() -> bool:
-        set_message(component, task.progress.measuring())
-        return not task.running
-
-    poll(component, POLL_INTERVAL, is_over, lambda: _MEMORIES.drop_all(component))
-    return None
+    return Finished(out, f"{show}: largest {seen.limit:.3g}")

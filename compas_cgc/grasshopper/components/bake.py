@@ -44,7 +44,7 @@ def bake(component: Any, cgc_mesh: Any, layer: Optional[str], bake: Optional[boo
         set_message(component, "set bake to true")
         return BakeOutputs()
     problem = cgc_mesh.to_problem().without_dummies()
-    found = measure(cgc_mesh)(lambda progress: False)
+    found = measure(cgc_mesh)
     root = layer.strip() if layer and layer.strip() else LAYER
     with baking(str(component.InstanceGuid)) as bakery:
         bakery.clear()

@@ -12,6 +12,7 @@ from ...paper.examples import SurfaceExample
 from ...paper.examples import examples_of
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["ExampleOutputs", "example"]
 
@@ -35,4 +36,4 @@ def example(component: Any, number: Optional[int], variant: Optional[str]) -> Ex
     assert isinstance(chosen, SurfaceExample)
     mesh, settings = chosen.build()
     set_message(component, chosen.name)
-    return ExampleOutputs(mesh_from_arrays(*mesh.arrays()), mesh, settings, f"Example {number}: {chosen.title}")
+    return ExampleOutputs(mesh_from_arrays(*mesh.arrays()), WireMesh(mesh.to_problem()), settings, f"Example {number}: {chosen.title}")

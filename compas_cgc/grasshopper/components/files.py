@@ -17,6 +17,7 @@ from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["Read3dmOutputs", "Write3dmOutputs", "read_3dm", "write_3dm"]
 
@@ -46,7 +47,7 @@ def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read
     for note in notes:
         add_remark(component, note)
     set_message(component, f"{mesh.number_of_vertices()} vertices, {len(mesh.regions())} regions")
-    return Read3dmOutputs(mesh_from_arrays(*mesh.arrays()), mesh, notes)
+    return Read3dmOutputs(mesh_from_arrays(*mesh.arrays()), WireMesh(mesh.to_problem()), notes)
 
 
 def _read_text(text: str) -> tuple[CGCMesh, list[str]]:

@@ -15,10 +15,12 @@ from ...io.forces import write_forces
 from ...io.rhino.colours import signed_colours
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import polyline_to_rhino
-from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
-from ..runtime.component_feedback import set_message
+from ..runtime.progress import Report
+from ..runtime.runner import Finished
+from ..runtime.runner import Last
+from ..runtime.runner import Runner
 
 __all__ = ["MembraneOutputs", "membrane"]
 
@@ -26,14 +28,17 @@ __all__ = ["MembraneOutputs", "membrane"]
 class MembraneOutputs(NamedTuple):
     """Outputs of the component."""
 
-    mesh: Any
-    N1: Optional[list[float]]
-    N2: Optional[list[float]]
-    tension: Any
-    compression: Any
-    reactions: Any
-    line_loads: Optional[list[float]]
-    report: Optional[str]
+    mesh: Any = None
+    N1: Optional[list[float]] = None
+    N2: Optional[list[float]] = None
+    tension: Any = None
+    compression: Any = None
+    reactions: Any = None
+    line_loads: Optional[list[float]] = None
+    report: Optional[str] = None
+
+
+_RUNNER = Runner(MembraneOutputs(), "computing forces")
 
 
 @reports_errors(MembraneOutputs)
@@ -43,22 +48,29 @@ def membrane(
     """Compute the forces under pressure and self-weight, and write them if `write` is true."""
     if cgc_mesh is None:
         add_warning(component, "connect a solved CGC mesh")
-        return MembraneOutputs(*[None] * len(MembraneOutputs._fields))
+        _RUNNER.reset(component)
+        return MembraneOutputs()
+    file = path.strip() if path and write else None
+
+    def work(report: Report, last: Last) -> Finished:
+        return _forces(cgc_mesh, pressure, weight, file)
+
+    return _RUNNER.outputs(component, (cgc_mesh, pressure, weight, file), work).outputs
+
+
+def _forces(cgc_mesh: Any, pressure: Optional[float], weight: Optional[float], file: Optional[str]) -> Finished:
     if not pressure and not weight:
         pressure = 1.0
     state = membrane_forces(cgc_mesh, pressure or 0.0, weight or 0.0)
-    for remark in state.remarks:
-        add_remark(component, remark)
     at_vertices = forces_at_vertices(state)
     limit = float(np.percentile(np.abs(at_vertices), 98)) or 1.0
     drawn = crosses(state)
     lines, forces = drawn.lines.reshape(-1, 2, 3), drawn.forces.T.ravel()
     loaded = np.abs(state.reactions).max(axis=1) > 0
     places = state.problem.vertices[loaded]
-    if path and write:
-        write_forces(path.strip(), state)
-    set_message(component, f"N1 to {state.forces[:, 0].max():.3g}, N2 from {state.forces[:, 1].min():.3g}")
-    return MembraneOutputs(
+    if file is not None:
+        write_forces(file, state)
+    out = MembraneOutputs(
         mesh=mesh_from_arrays(state.problem.vertices, state.problem.faces, signed_colours(at_vertices[:, 0], limit)),
         N1=at_vertices[:, 0].tolist(),
         N2=at_vertices[:, 1].tolist(),
@@ -68,3 +80,5 @@ def membrane(
         line_loads=np.linalg.norm(state.edge_loads.load, axis=1).tolist(),
         report=state.summary(),
     )
+    message = f"N1 to {state.forces[:, 0].max():.3g}, N2 from {state.forces[:, 1].min():.3g}"
+    return Finished(out, message, tuple(("Remark", remark) for remark in state.remarks))

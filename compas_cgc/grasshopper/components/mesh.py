@@ -12,12 +12,14 @@ from ...io.rhino.rhinocommon import problem_from_rhino
 from ...io.rhino.rhinocommon import problem_from_surfaces
 from ...meshing.boundary import SUPPORT_NAMES
 from ...model.checks import check
-from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import reports_errors
-from ..runtime.component_feedback import set_message
 from ..runtime.geometry import document_units
+from ..runtime.progress import Report
+from ..runtime.runner import Finished
+from ..runtime.runner import Last
+from ..runtime.runner import Runner
 from ..runtime.widgets import offer_values
 from ..runtime.wire_mesh import WireMesh
 
@@ -31,8 +33,11 @@ FIX = (AS_DRAWN, *SUPPORT_NAMES, POINTS)
 class CGCMeshOutputs(NamedTuple):
     """Outputs of the component."""
 
-    cgc_mesh: Optional[WireMesh]
-    problems: Optional[list[str]]
+    cgc_mesh: Optional[WireMesh] = None
+    problems: Optional[list[str]] = None
+
+
+_RUNNER = Runner(CGCMeshOutputs(), "reading")
 
 
 @reports_errors(CGCMeshOutputs)
@@ -50,28 +55,36 @@ def cgc_mesh(
     offer_values(component, "fix", FIX)
     if mesh is None and not as_list(surfaces):
         add_warning(component, "connect a mesh; or surfaces or closed curves with an edge length")
-        return CGCMeshOutputs(None, None)
-    points = as_list(supports)
-    read = _read(mesh, as_list(surfaces), edge_length, points, as_list(creases))
+        _RUNNER.reset(component)
+        return CGCMeshOutputs()
+    given = (mesh, as_list(surfaces), edge_length, as_list(supports), as_list(creases))
+    fixed = fix.strip() if fix else AS_DRAWN
+    units = document_units()
+
+    def work(report: Report, last: Last) -> Finished:
+        return _posed(_read(*given, *units), bool(flip), fixed, bool(given[3]))
+
+    return _RUNNER.outputs(component, (*given, flip, fixed, units), work).outputs
+
+
+def _posed(read: ReadProblem, flip: bool, fixed: str, has_points: bool) -> Finished:
+    """Return a problem with supports."""
     problem = read.checked()
     if flip:
         problem = problem.flipped()
-    fixed = fix.strip() if fix else AS_DRAWN
-    if fixed not in (AS_DRAWN, POINTS) or (fixed == AS_DRAWN and not points):
+    if fixed not in (AS_DRAWN, POINTS) or (fixed == AS_DRAWN and not has_points):
         problem = problem.with_supports("boundary" if fixed == AS_DRAWN else fixed, add=True)
-    for note in read.notes:
-        if "support" not in note:
-            add_remark(component, note)
+    remarks = [("Remark", note) for note in read.notes if "support" not in note]
     # Targets are set later, by the component Target.
     sentences = [str(sentence) for sentence in check(problem) if "target" not in sentence]
-    for sentence in sentences:
-        add_warning(component, sentence)
-    set_message(component, f"{len(problem.vertices)} vertices, {len(problem.region_targets())} regions")
-    return CGCMeshOutputs(WireMesh(problem), sentences)
+    warnings = [("Warning", sentence) for sentence in sentences]
+    message = f"{len(problem.vertices)} vertices, {len(problem.region_targets())} regions"
+    return Finished(CGCMeshOutputs(WireMesh(problem), sentences), message, (*remarks, *warnings))
 
 
-def _read(mesh: Any, surfaces: list[Any], edge_length: Optional[float], points: list[Any], creases: list[Any]) -> ReadProblem:
-    tolerance, units = document_units()
+def _read(
+    mesh: Any, surfaces: list[Any], edge_length: Optional[float], points: list[Any], creases: list[Any], tolerance: float, units: str
+) -> ReadProblem:
     if mesh is None:
         length = None if edge_length is None else float(edge_length)
         if length is not None and not length > 0.0:

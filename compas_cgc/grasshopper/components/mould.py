@@ -8,16 +8,21 @@ from typing import Optional
 
 import numpy as np
 
+from ...fabrication import MouldReport
 from ...fabrication import moulds
 from ...fabrication import panels
 from ...fabrication.mould_surface import cap_mesh
 from ...io.rhino.rhinocommon import curve_to_points
 from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...model.problem import CGCProblem
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import reports_errors
-from ..runtime.component_feedback import set_message
 from ..runtime.geometry import document_units
+from ..runtime.progress import Report
+from ..runtime.runner import Finished
+from ..runtime.runner import Last
+from ..runtime.runner import Runner
 
 __all__ = ["MouldOutputs", "mould"]
 
@@ -27,15 +32,18 @@ MOULD_OFFSET = 0.15  # distance of the moulds from the surface, relative to its 
 class MouldOutputs(NamedTuple):
     """Outputs of the component."""
 
-    panels: Optional[list]
-    on_moulds: Optional[list]
-    moulds: Optional[list]
-    names: Optional[list[str]]
-    mould: Optional[list[int]]
-    misses: Optional[list[float]]
-    change: Optional[list]
-    stress: Optional[list]
-    report: Optional[str]
+    panels: Optional[list] = None
+    on_moulds: Optional[list] = None
+    moulds: Optional[list] = None
+    names: Optional[list[str]] = None
+    mould: Optional[list[int]] = None
+    misses: Optional[list[float]] = None
+    change: Optional[list] = None
+    stress: Optional[list] = None
+    report: Optional[str] = None
+
+
+_RUNNER = Runner(MouldOutputs(), "fitting panels")
 
 
 @reports_errors(MouldOutputs)
@@ -54,15 +62,26 @@ def mould(
     """Divide a surface into panels, and place them on one mould per curvature."""
     if cgc_mesh is None:
         add_warning(component, "connect a solved CGC mesh")
-        return MouldOutputs(*[None] * len(MouldOutputs._fields))
-    problem = cgc_mesh.to_problem().without_dummies()
+        _RUNNER.reset(component)
+        return MouldOutputs()
     tolerance, _ = document_units()
     lines = [curve_to_points(curve, tolerance) for curve in as_list(curves)]
     if size is None and count is None and not lines:
         count = 1
-    divided = panels(problem, size, count=count, curves=lines or None, along=along.strip() if along else "plan")
-    chosen = material.strip() if material else "glass"
-    report = moulds(problem, divided, material=chosen, thickness=6.0 if thickness is None else thickness, rough=bool(rough))
+    inputs = (cgc_mesh, size, count, along, material, thickness, rough, aside, [line.tolist() for line in lines])
+
+    def work(report: Report, last: Last) -> Finished:
+        problem = cgc_mesh.to_problem().without_dummies()
+        divided = panels(problem, size, count=count, curves=lines or None, along=along.strip() if along else "plan")
+        chosen = material.strip() if material else "glass"
+        fitted = moulds(problem, divided, material=chosen, thickness=6.0 if thickness is None else thickness, rough=bool(rough))
+        return _shown(problem, fitted, aside)
+
+    return _RUNNER.outputs(component, inputs, work).outputs
+
+
+def _shown(problem: CGCProblem, report: MouldReport, aside: Optional[float]) -> Finished:
+    """Return panels in place and on moulds beside the surface."""
     low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
     away = MOULD_OFFSET * float(np.linalg.norm(high - low)) + high[0] if aside is None else high[0] + aside
     places, shown = [], []
@@ -73,8 +92,7 @@ def mould(
         vertices, faces = cap_mesh(own.surface, own.radius)
         shown.append(mesh_from_arrays(vertices + places[-1], faces))
         corner = corner + [0.0, 2.5 * own.radius, 0.0]
-    set_message(component, f"{len(divided)} panels, {len(shown)} mould{'' if len(shown) == 1 else 's'}")
-    return MouldOutputs(
+    out = MouldOutputs(
         [mesh_from_arrays(fit.vertices, fit.faces) for fit in report.panels],
         [mesh_from_arrays(fit.on_mould + places[fit.mould - 1], fit.faces) for fit in report.panels],
         shown,
@@ -85,3 +103,4 @@ def mould(
         [fit.stress for fit in report.panels],
         str(report),
     )
+    return Finished(out, f"{len(report.panels)} panels, {len(shown)} mould{'' if len(shown) == 1 else 's'}")

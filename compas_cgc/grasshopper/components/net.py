@@ -6,15 +6,18 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
+from ...discrete.arrays import FloatArray
 from ...fabrication import curve_net
 from ...io.rhino.rhinocommon import points_to_array
 from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
-from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import reports_errors
-from ..runtime.component_feedback import set_message
+from ..runtime.progress import Report
+from ..runtime.runner import Finished
+from ..runtime.runner import Last
+from ..runtime.runner import Runner
 
 __all__ = ["NetOutputs", "net"]
 
@@ -22,11 +25,14 @@ __all__ = ["NetOutputs", "net"]
 class NetOutputs(NamedTuple):
     """Outputs of the component."""
 
-    first: Any
-    second: Any
-    nodes: Any
-    sides: Optional[list[float]]
-    report: Optional[str]
+    first: Any = None
+    second: Any = None
+    nodes: Any = None
+    sides: Optional[list[float]] = None
+    report: Optional[str] = None
+
+
+_RUNNER = Runner(NetOutputs(), "tracing")
 
 
 @reports_errors(NetOutputs)
@@ -34,11 +40,18 @@ def net(component: Any, cgc_mesh: Any, spacing: Optional[float], through: Any) -
     """Trace lines of curvature, an asymptotic net or rulings, depending on K."""
     if cgc_mesh is None:
         add_warning(component, "connect a solved CGC mesh")
-        return NetOutputs(*[None] * len(NetOutputs._fields))
+        _RUNNER.reset(component)
+        return NetOutputs()
     points = points_to_array(as_list(through))
+
+    def work(report: Report, last: Last) -> Finished:
+        return _traced(cgc_mesh, spacing, points)
+
+    return _RUNNER.outputs(component, (cgc_mesh, spacing, points.tolist()), work).outputs
+
+
+def _traced(cgc_mesh: Any, spacing: Optional[float], points: FloatArray) -> Finished:
     found = curve_net(cgc_mesh, spacing or None, through=points if len(points) else None)
-    for note in found.notes:
-        add_remark(component, note)
     curves = [[polyline_to_rhino(own.points) for own in found.curves if own.family == family] for family in (0, 1)]
-    set_message(component, f"{len(found.curves)} curves")
-    return NetOutputs(curves[0], curves[1], points_to_rhino(found.nodes), found.lengths.tolist(), found.summary())
+    out = NetOutputs(curves[0], curves[1], points_to_rhino(found.nodes), found.lengths.tolist(), found.summary())
+    return Finished(out, f"{len(found.curves)} curves", tuple(("Remark", note) for note in found.notes))

@@ -9,6 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.plan import flattened
+from ...fabrication import Patterns
 from ...fabrication import draw_sheets
 from ...fabrication import unroll as unroll_surface
 from ...fabrication.piece_list import cut_list_text
@@ -18,7 +19,10 @@ from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
-from ..runtime.component_feedback import set_message
+from ..runtime.progress import Report
+from ..runtime.runner import Finished
+from ..runtime.runner import Last
+from ..runtime.runner import Runner
 
 __all__ = ["UnrollOutputs", "unroll"]
 
@@ -26,17 +30,20 @@ __all__ = ["UnrollOutputs", "unroll"]
 class UnrollOutputs(NamedTuple):
     """Outputs of the component."""
 
-    outlines: Any
-    folds: Any
-    rulings: Any
-    marks: Any
-    sheets: Any
-    labels: Optional[list[str]]
-    places: Any
-    pieces: Any
-    report: Optional[str]
-    allowances: Any
-    cut_list: Optional[list[str]]
+    outlines: Any = None
+    folds: Any = None
+    rulings: Any = None
+    marks: Any = None
+    sheets: Any = None
+    labels: Optional[list[str]] = None
+    places: Any = None
+    pieces: Any = None
+    report: Optional[str] = None
+    allowances: Any = None
+    cut_list: Optional[list[str]] = None
+
+
+_RUNNER = Runner(UnrollOutputs(), "unrolling")
 
 
 @reports_errors(UnrollOutputs)
@@ -57,26 +64,36 @@ def unroll(
     """Unroll a solved surface on sheets, and write them if `write` is true."""
     if cgc_mesh is None:
         add_warning(component, "connect a solved CGC mesh")
-        return UnrollOutputs(*[None] * len(UnrollOutputs._fields))
+        _RUNNER.reset(component)
+        return UnrollOutputs()
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)
-    patterns = unroll_surface(
-        cgc_mesh, sheet, strain=strain or None, spacing=spacing, margin=margin or 0.0, allowance=allowance or 0.0, whole=bool(whole)
-    )
+    file = path.strip() if path and write else None
+
+    def work(report: Report, last: Last) -> Finished:
+        patterns = unroll_surface(
+            cgc_mesh, sheet, strain=strain or None, spacing=spacing, margin=margin or 0.0, allowance=allowance or 0.0, whole=bool(whole)
+        )
+        if file is not None:
+            write_patterns(file, patterns, per_sheet=bool(per_sheet))
+        return _drawn(patterns, file is not None)
+
+    return _RUNNER.outputs(component, (cgc_mesh, sheet, strain, spacing, file, margin, allowance, per_sheet, whole), work).outputs
+
+
+def _drawn(patterns: Patterns, written: bool) -> Finished:
+    """Return the pieces on sheets and in place."""
     drawing = draw_sheets(patterns, nodes=False)
     lines: dict[str, list] = {}
     for line in drawing.lines:
         points = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
         lines.setdefault(line.layer, []).append(polyline_to_rhino(flattened(points)))
     labels = [text for text in drawing.texts if text.layer == "LABEL"]
-    if path and write:
-        write_patterns(path.strip(), patterns, per_sheet=bool(per_sheet))
-    set_message(component, f"{len(patterns.pieces)} pieces on {patterns.sheets} sheets{', written' if path and write else ''}")
     own = patterns.patchwork
     pieces = []
     for number in range(len(patterns.pieces)):
         used, corners = np.unique(own.faces[own.piece == number], return_inverse=True)
         pieces.append(mesh_from_arrays(own.space[used], corners.reshape(-1, 3)))
-    return UnrollOutputs(
+    out = UnrollOutputs(
         outlines=lines.get("OUTLINE") or lines.get("CUT", []),
         folds=[*lines.get("FOLD_UP", []), *lines.get("FOLD_DOWN", [])],
         rulings=lines.get("RULING", []),
@@ -89,3 +106,4 @@ def unroll(
         allowances=lines.get("CUT", []) if "OUTLINE" in lines else [],
         cut_list=cut_list_text(patterns).splitlines(),
     )
+    return Finished(out, f"{len(patterns.pieces)} pieces on {patterns.sheets} sheets{', written' if written else ''}")

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import ctypes
+import gc
 import threading
+import time
 from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextlib import suppress
 from typing import Any
 from typing import Generic
 from typing import Optional
 from typing import TypeVar
 
+from ..._compiled import is_compiling
 from .progress import Progress
 from .progress import Report
 
@@ -16,43 +23,69 @@ __all__ = ["BackgroundTask"]
 
 Result = TypeVar("Result")
 
+CHECK_INTERVAL = 0.05  # time between two checks whether tasks are still needed [s]
+GRACE = 0.4  # time between the request to stop and the interruption of a function that does not report [s]
+GRACE_IF_REPLACED = 0.6  # the same for a task that is replaced by a newer one and has shown nothing yet [s]
+
+
+class Interrupted(BaseException):
+    """Raised in the thread of a cancelled task. It is no :class:`Exception`, so that functions do not handle it."""
+
 
 class BackgroundTask(Generic[Result]):
     """A function that runs in a thread.
+
+    A cancelled function ends at its next report. One that does not report is interrupted at its next line of Python.
 
     Parameters
     ----------
     function
         Function to run. Its argument is a callback that takes a :class:`Progress` and returns whether to stop.
     wanted
-        Called in the thread; returns whether the result is still needed. Default: until the task is cancelled.
+        Called from another thread; returns whether the result is still needed. Default: until the task is cancelled.
+    after
+        Task that ends before this one begins.
 
     Attributes
     ----------
     progress
         The latest progress.
+    preview
+        The latest intermediate outputs, or None.
     result
         Return value of the function, or None.
     error
         Error raised by the function, or None.
     """
 
-    def __init__(self, function: Callable[[Report], Result], wanted: Callable[[], bool] = lambda: True):
+    def __init__(
+        self, function: Callable[[Report], Result], wanted: Callable[[], bool] = lambda: True, after: Optional[BackgroundTask] = None
+    ):
         self.progress = Progress()
+        self.preview: Any = None
         self.result: Optional[Result] = None
         self.error: Optional[Exception] = None
+        self.cancelled = False
         self._stop = threading.Event()
+        self._deadline = 0.0  # time of the interruption, once the task is cancelled
+        self._preview_taken = True
         self._wanted = wanted
+        self._after = after
         self._thread = threading.Thread(target=self._run, args=(function,), daemon=True)
         self._thread.start()
+        _watch(self)
 
     @property
     def running(self) -> bool:
         """Whether the function is still running."""
         return self._thread.is_alive()
 
-    def cancel(self) -> None:
-        """Request that the function stop, without waiting for it."""
+    def cancel(self, replaced: bool = False) -> None:
+        """Request that the function stop, without waiting for it; a task that is `replaced` may show something first."""
+        if not self._stop.is_set():
+            grace = GRACE if not replaced else 0.0 if self.preview is not None else GRACE_IF_REPLACED
+            self._deadline = time.monotonic() + grace
+        self.cancelled = True
         self._stop.set()
 
     def wait(self, seconds: Optional[float]) -> bool:
@@ -60,12 +93,87 @@ class BackgroundTask(Generic[Result]):
         self._thread.join(seconds)
         return not self.running
 
+    @property
+    def has_preview(self) -> bool:
+        """Whether there are intermediate outputs that :meth:`take_preview` has not returned."""
+        return not self._preview_taken or (self._after is not None and self._after.has_preview)
+
+    def take_preview(self) -> Any:
+        """Return intermediate outputs that were not returned before, also of the task before this one, or None."""
+        if self._preview_taken:
+            return None if self._after is None else self._after.take_preview()
+        taken, self._preview_taken = self.preview, True
+        return taken
+
+    def check(self) -> None:
+        """Cancel a task that is not needed any more, and interrupt one that was cancelled and does not end."""
+        if not self._stop.is_set():
+            if not self._wanted():
+                self.cancel()
+        elif time.monotonic() > self._deadline and self._thread.ident is not None and not is_compiling(self._thread.ident):
+            # Compilers are not interrupted, as they change the state of the process.
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread.ident), ctypes.py_object(Interrupted))
+
     def _report(self, progress: Progress) -> bool:
         self.progress = progress
-        return self._stop.is_set() or not self._wanted()
+        # Of the surfaces after steps, only those are made that are shown.
+        if progress.preview is not None and (self._preview_taken or not progress.step):
+            self.preview = progress.preview()
+            self._preview_taken = False
+        return self._stop.is_set()
 
     def _run(self, function: Callable[[Report], Any]) -> None:
-        try:
-            self.result = function(self._report)
-        except Exception as error:  # shown on the canvas at the next poll
-            self.error = error
+        with suppress(Interrupted):
+            if self._after is not None:
+                self._after.wait(None)
+                self._after = self._after if self._after.has_preview else None
+            if self._stop.is_set():
+                return
+            try:
+                with _uncollected():
+                    self.result = function(self._report)
+            except Exception as error:  # shown on the canvas at the next poll
+                self.error = error
+
+
+_TASKS: list[BackgroundTask] = []
+_CHANGE = threading.Lock()
+_running = 0  # number of running functions
+_collects = True  # whether the garbage collector was enabled before
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Disable the garbage collector while tasks run; a collection among the objects of large meshes blocks all threads."""
+    global _running, _collects
+    with _CHANGE:
+        _collects = gc.isenabled() if not _running else _collects
+        _running += 1
+        gc.disable()
+    try:
+        yield
+    finally:
+        with _CHANGE:
+            _running -= 1
+            if not _running and _collects:
+                gc.enable()
+
+
+def _watch(task: BackgroundTask) -> None:
+    """Check a task regularly until it ends."""
+    with _CHANGE:
+        _TASKS.append(task)
+        if len(_TASKS) == 1:
+            threading.Thread(target=_check_all, daemon=True).start()
+
+
+def _check_all() -> None:
+    while True:
+        time.sleep(CHECK_INTERVAL)
+        with _CHANGE:
+            _TASKS[:] = [task for task in _TASKS if task.running]
+            tasks = list(_TASKS)
+            if not tasks:
+                return
+        for task in tasks:
+            task.check()

@@ -12,13 +12,14 @@ from .wires import check_wires
 from .wires import single
 
 __all__ = [
+    "add_balloon",
     "add_error",
     "add_remark",
     "add_warning",
     "as_list",
-    "poll",
     "reports_errors",
     "run_again",
+    "run_later",
     "set_message",
     "unwrapped",
     "with_nulls",
@@ -32,63 +33,38 @@ def set_message(component: Any, text: str) -> None:
 
 def add_remark(component: Any, text: str) -> None:
     """Put a white balloon on a component."""
-    _balloon(component, "Remark", text)
+    add_balloon(component, "Remark", text)
 
 
 def add_warning(component: Any, text: str) -> None:
     """Put an orange balloon on a component."""
-    _balloon(component, "Warning", text)
+    add_balloon(component, "Warning", text)
 
 
 def add_error(component: Any, text: str) -> None:
     """Put a red balloon on a component."""
-    _balloon(component, "Error", text)
+    add_balloon(component, "Error", text)
+
+
+def run_later(component: Any, milliseconds: int, callback: Callable[[], object]) -> None:
+    """Call a function between two solutions of the document of a component."""
+    from Grasshopper.Kernel import GH_Document
+
+    document = component.OnPingDocument()
+    if document is not None:
+        document.ScheduleSolution(milliseconds, GH_Document.GH_ScheduleDelegate(lambda document: callback()))
 
 
 def run_again(component: Any, milliseconds: int, on_deleted: Callable[[], object]) -> None:
     """Schedule another run of a component, or call `on_deleted` if it is no longer on the canvas."""
-    from Grasshopper.Kernel import GH_Document
 
-    def callback(document: Any) -> None:
+    def callback() -> None:
         if component.OnPingDocument() is None:
             on_deleted()
         else:
             component.ExpireSolution(False)
 
-    component.OnPingDocument().ScheduleSolution(milliseconds, GH_Document.GH_ScheduleDelegate(callback))
-
-
-def poll(component: Any, milliseconds: int, is_over: Callable[[], bool], on_deleted: Callable[[], object]) -> None:
-    """Poll until `is_over` returns true, then run a component and its dependents again.
-
-    Parameters
-    ----------
-    component
-        The component.
-    milliseconds
-        Polling interval.
-    is_over
-        Called at every poll; it may set the message of the component.
-    on_deleted
-        Called if the component is no longer on the canvas.
-    """
-    from Grasshopper.Kernel import GH_Document
-
-    def callback(document: Any) -> None:
-        if component.OnPingDocument() is None:
-            on_deleted()
-        elif is_over():
-            component.ExpireSolution(False)
-        else:
-            redraw = getattr(component, "OnDisplayExpired", None)
-            if redraw is not None:
-                redraw(True)
-            schedule()
-
-    def schedule() -> None:
-        component.OnPingDocument().ScheduleSolution(milliseconds, GH_Document.GH_ScheduleDelegate(callback))
-
-    schedule()
+    run_later(component, milliseconds, callback)
 
 
 def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
@@ -146,7 +122,8 @@ def with_nulls(values: Any) -> list:
     return [unwrapped(value) for value in values]
 
 
-def _balloon(component: Any, level: str, text: str) -> None:
+def add_balloon(component: Any, level: str, text: str) -> None:
+    """Put a balloon of a level on a component: Remark, Warning or Error."""
     from Grasshopper.Kernel import GH_RuntimeMessageLevel
 
     component.AddRuntimeMessage(getattr(GH_RuntimeMessageLevel, level), str(text))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
@@ -22,6 +23,8 @@ class Progress(NamedTuple):
     part: float = 0.0  # completed fraction, from 0 to 1
     note: str = ""  # what the solve is waiting for
     compiling: Optional[float] = None  # compiled fraction of the kernels, during compilation
+    task: str = ""  # name of the task, if it has no steps
+    preview: Optional[Callable[[], Any]] = None  # makes intermediate outputs
 
     def text(self) -> str:
         """Return a text short enough for the line below a component."""
@@ -30,11 +33,9 @@ class Progress(NamedTuple):
         if self.compiling is not None:
             filled = round(BAR * self.compiling)
             return f"compiling (first use) [{'#' * filled}{'.' * (BAR - filled)}]"
+        if self.task:
+            return self.task
         return f"step {self.step}" + ("" if self.max_error is None else f", error {self.max_error:.1e}")
-
-    def measuring(self) -> str:
-        """Return the text for a task without steps."""
-        return "measuring" if self.compiling is None else self.text()
 
 
 Report = Callable[[Progress], bool]

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 from functools import cached_property
 from typing import TYPE_CHECKING
 from typing import Any
 
 from ...datastructures import CGCMesh
-from ...model.constraint_data import constraint_data
 from ...model.problem import CGCProblem
-from ...model.problem import PosesProblem
 
-__all__ = ["WireMesh", "problem_fingerprint"]
+__all__ = ["WireMesh"]
 
 
 class WireMesh:
@@ -60,16 +57,3 @@ class WireMesh:
             if "problem" not in self.__dict__:  # while it is unpickled
                 raise AttributeError(name)
             return getattr(self.mesh, name)
-
-
-def problem_fingerprint(given: PosesProblem) -> str:
-    """Return a text that is equal for equal problems, also of different objects."""
-    problem = given.to_problem()
-    columns = [problem.vertices, problem.faces, problem.roles, problem.targets, problem.s, problem.e, problem.creases]
-    if problem.origin is not None:
-        columns += [problem.origin.vertices, problem.origin.drawn.vertices, problem.origin.drawn.targets]
-    made = hashlib.blake2b(repr([*(constraint_data(goal) for goal in problem.goals), dict(problem.laws)]).encode("utf-8"), digest_size=20)
-    for column in columns:
-        made.update(repr(column.shape).encode("utf-8"))
-        made.update(column.tobytes())
-    return made.hexdigest()

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from compas_cgc import CGCMesh
+from compas_cgc.grasshopper.runtime.fingerprint import problem_fingerprint
 from compas_cgc.grasshopper.runtime.wire_mesh import WireMesh
-from compas_cgc.grasshopper.runtime.wire_mesh import problem_fingerprint
 
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401

@@ -11,12 +11,10 @@ import pytest
 import rhino3dm
 
 from compas_cgc import FlowSettings
-from compas_cgc.grasshopper.components import analyse as analyse_module
 from compas_cgc.grasshopper.components import solve as solve_module
+from compas_cgc.grasshopper.runtime import measured
 from compas_cgc.grasshopper.runtime import widgets
 from compas_cgc.grasshopper.runtime.address import Address
-from compas_cgc.grasshopper.runtime.background import BackgroundTask
-from compas_cgc.grasshopper.runtime.progress import Progress
 from compas_cgc.meshing import boundary_loops
 
 from ...support.gh_stand_ins import Brep
@@ -31,7 +29,7 @@ from ...support.server_process import PATIENCE
 from .test_functions import nine_regions
 from .test_solve import dome
 from .test_solve import endless
-from .test_solve import memory_of
+from .test_solve import task_of
 from .test_solve import until_done
 
 pytestmark = pytest.mark.usefixtures("rhino")
@@ -64,7 +62,7 @@ def cube():
 def test_surfaces_are_meshed_at_an_edge_length():
     pytest.importorskip("compas_cgal")
     placed = place("Mesh")
-    mesh = placed.run(surfaces=[Brep(sphere())], edge_length=0.5)["cgc_mesh"]
+    mesh = placed.settle(surfaces=[Brep(sphere())], edge_length=0.5)["cgc_mesh"]
     V, F = mesh.arrays()
     assert np.allclose(np.linalg.norm(V, axis=1), 2.0, atol=2e-3) and not boundary_loops(F)
     lengths = np.linalg.norm(V[F[:, 0]] - V[F[:, 1]], axis=1)
@@ -77,7 +75,7 @@ def test_outlines_are_filled_with_columns_and_creases_as_drawn():
     placed = place("Mesh")
     crease = PolylineCurve([Point3d(-1.0, 2.0, 0.0), Point3d(10.0, 2.0, 0.0)])
     column = Point3d(3.3, 6.1, 0.0)
-    out = placed.run(surfaces=[HOLE, SQUARE], edge_length=0.8, creases=[crease], supports=[column], fix="points")
+    out = placed.settle(surfaces=[HOLE, SQUARE], edge_length=0.8, creases=[crease], supports=[column], fix="points")
     mesh = out["cgc_mesh"]
     assert not placed.said("Error") and len(mesh.boundary_loops()) == 2 and len(mesh.regions()) == 2
     (support,) = mesh.supports()
@@ -100,20 +98,20 @@ def test_outlines_are_filled_with_columns_and_creases_as_drawn():
 )
 def test_what_cannot_be_meshed_is_said(inputs, sentence):
     placed = place("Mesh")
-    assert placed.run(**inputs)["cgc_mesh"] is None
+    assert placed.settle(**inputs)["cgc_mesh"] is None
     assert sentence in placed.said("Error")[0]
 
 
 def test_a_subd_is_no_mesh():
     placed = place("Mesh")
-    placed.run(mesh=SubD(None))
+    placed.settle(mesh=SubD(None))
     assert "the input mesh received a SubD" in placed.said("Error")[0]
 
 
 def test_without_the_extra_the_sentence_names_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "rhino3dm", None)
     placed = place("Mesh")
-    placed.run(surfaces=[Brep(None)], edge_length=1.0)
+    placed.settle(surfaces=[Brep(None)], edge_length=1.0)
     assert "pip install 'compas_cgc[rhino]'" in placed.said("Error")[0]
 
 
@@ -141,9 +139,9 @@ def test_closing_the_document_ends_the_thread_and_what_is_remembered():
     placed, other = place("Solve"), place("Solve")
     for own in (placed, other):
         own.run(run=True, **endless())
-    task, alive = memory_of(placed).task, memory_of(other).task
+    task, alive = task_of(placed), task_of(other)
     placed.component.document.close()
-    assert task.wait(PATIENCE) and memory_of(placed) is None
+    assert task.wait(PATIENCE) and task_of(placed) is None
     assert alive.running, "the other document is still open"
     other.run(reset=True)
     assert alive.wait(PATIENCE) and len(Instances.DocumentServer.DocumentRemoved.handlers) == before
@@ -152,31 +150,28 @@ def test_closing_the_document_ends_the_thread_and_what_is_remembered():
 def test_a_thread_ends_whose_component_is_nowhere_any_more():
     placed = place("Solve")
     placed.run(run=True, **endless())
-    task, placed.component.document = memory_of(placed).task, None
+    task, placed.component.document = task_of(placed), None
     assert task.wait(PATIENCE), "without anybody asking"
 
 
 def test_the_surface_is_there_before_its_report(monkeypatch):
     told = []
-    real = solve_module._measuring
+    real = solve_module.measure
 
-    def slow(result, mesh):
-        def tell(report):
-            while not told:
-                time.sleep(0.01)
-            return real(result, mesh)(report)
+    def slow(mesh):
+        while not told:
+            time.sleep(0.01)
+        return real(mesh)
 
-        return tell
-
-    monkeypatch.setattr(solve_module, "_measuring", slow)
+    monkeypatch.setattr(solve_module, "measure", slow)
     placed, mesh = place("Solve"), dome()
     out = placed.run(cgc_mesh=mesh, run=True)
     end = time.monotonic() + PATIENCE
-    while out["mesh"] is None:
+    while out["cgc_mesh"] is None:
         assert time.monotonic() < end
         time.sleep(0.02)
         out = placed.run(cgc_mesh=mesh, run=True)
-    assert out["report"] is None and out["cgc_mesh"] is not None and placed.component.Message == "measuring"
+    assert out["report"] is None and out["mesh"] is not None and placed.component.Message == "measuring"
     # It has its colours from then on.
     assert not out["mesh"].VertexColors
     told.append(True)
@@ -191,37 +186,12 @@ def test_a_failed_solve_leaves_no_earlier_surface_beside_its_balloon():
     assert placed.said("Error") and out["mesh"] is out["cgc_mesh"] is out["report"] is out["legend"] is None
 
 
-def test_analyse_does_not_wait_for_the_compiler(monkeypatch):
-    go = []
-
-    def slow(mesh):
-        def run(report):
-            report(Progress(compiling=0.3))
-            while not go:
-                time.sleep(0.01)
-            return real(mesh)(report)
-
-        return run
-
-    real = analyse_module.measure
-    monkeypatch.setattr(analyse_module, "measure", slow)
+def test_what_is_measured_is_not_measured_again(monkeypatch):
     placed, mesh = place("Analyse"), dome(0.013)
-    began = time.monotonic()
-    out = placed.run(cgc_mesh=mesh)
-    assert out["mesh"] is None and time.monotonic() - began < analyse_module.MAX_WAIT
-    assert placed.component.Message.startswith("compiling (first use) [###")
-    assert placed.component.document.tick() == 1 and not placed.component.expired
-    go.append(True)
-    out = placed.settle(cgc_mesh=mesh)
-    assert out["mesh"] is not None and len(out["K"]) == 100
-    monkeypatch.setattr(analyse_module, "_measured", None)
-    assert placed.run(cgc_mesh=mesh, show="H")["mesh"] is not None, "what is known is not measured again"
-
-
-def test_a_task_that_nobody_wants_ends():
-    wanted = [True, True, False]
-    task = BackgroundTask(lambda report: [report(Progress()) for _ in range(3)], lambda: wanted.pop(0))
-    assert task.wait(PATIENCE) and task.result == [False, False, True]
+    assert len(placed.settle(cgc_mesh=mesh)["K"]) == 100
+    monkeypatch.setattr(measured, "analyse", None)
+    assert placed.settle(cgc_mesh=mesh, show="H")["mesh"] is not None
+    assert place("Analyse").settle(cgc_mesh=mesh.copy())["mesh"] is not None
 
 
 @pytest.mark.parametrize("text", ["studio-pc:7331", " http://studio-pc:7331 "])
@@ -257,14 +227,14 @@ def test_the_surface_is_shown_in_colours_with_a_legend():
     inputs = dict(cgc_mesh=dome(), settings=FlowSettings(steps=30), run=True)
     out = until_done(placed, **inputs)[-1]
     assert len(out["colours"]) == len(out["legend"]) == 7 and float(out["legend"][-1]) == pytest.approx(0.01, rel=0.05)
-    error = placed.run(**inputs, show="error")
+    error = until_done(placed, **inputs, show="error")[-1]
     assert error["mesh"].VertexColors != out["mesh"].VertexColors and float(error["legend"][-1]) < 1e-3
-    assert placed.run(**inputs, show="error")["mesh"] is error["mesh"], "it is not coloured again"
+    assert placed.run(**{**inputs, "run": False}, show="error")["mesh"] is error["mesh"], "it is not coloured again"
     assert placed.run(**inputs, show="k")["mesh"] is None and "show must be one of K, H" in placed.said("Error")[0]
 
 
 def test_regions_come_as_trees_too():
-    out = place("Regions").run(cgc_mesh=nine_regions())
+    out = place("Regions").settle(cgc_mesh=nine_regions())
     for name in ("by_region", "borders", "points"):
         assert sorted(out[name].branches) == list(range(9))
     assert [mesh for branch in out["by_region"].branches.values() for mesh in branch] == out["regions"]
@@ -295,15 +265,14 @@ def test_a_value_list_appears_at_a_new_component_once(name, wire, first, some):
 
 def test_no_list_appears_where_something_is_connected_or_the_definition_was_saved_without():
     placed = place("Analyse")
-    placed.run(cgc_mesh=dome())
-    placed.component.document.tick()
+    placed.settle(cgc_mesh=dome())
     assert not placed.component.document.objects
 
 
 def test_the_first_value_of_a_list_means_the_same_as_nothing():
     points = [Point3d(0.0, 0.0, 0.0)]
     for supports, fix, count in (([], "as drawn", 12), (points, "as drawn", 1), (points, "points", 1), (points, "boundary", 12)):
-        mesh = place("Mesh").run(mesh=square(3), supports=supports, fix=fix)["cgc_mesh"]
+        mesh = place("Mesh").settle(mesh=square(3), supports=supports, fix=fix)["cgc_mesh"]
         assert len(mesh.supports()) == count
     assert place("Settings").run(method="auto")["settings"] == place("Settings").run()["settings"]
 

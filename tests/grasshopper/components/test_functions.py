@@ -50,7 +50,7 @@ def line(*points):
 def nine_regions():
     """Return the CGC mesh of a square with creases at its thirds."""
     creases = [line((3, 0, 0), (3, 9, 0)), line((6, 0, 0), (6, 9, 0)), line((0, 3, 0), (9, 3, 0)), line((0, 6, 0), (9, 6, 0))]
-    return place("Mesh").run(mesh=square(), creases=creases, fix="corners")["cgc_mesh"]
+    return place("Mesh").settle(mesh=square(), creases=creases, fix="corners")["cgc_mesh"]
 
 
 # ----------------------------------------------------------------------
@@ -108,7 +108,7 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
 def test_a_wrong_input_gets_a_red_balloon_with_a_sentence(name, inputs, sentence):
     made = {"QUAD": lambda: square(1, 1.0), "EMPTY": lambda: rhino_mesh([], []), "NINE": nine_regions}
     placed = place(name)
-    out = placed.run(**{key: made[value]() if isinstance(value, str) and value in made else value for key, value in inputs.items()})
+    out = placed.settle(**{key: made[value]() if isinstance(value, str) and value in made else value for key, value in inputs.items()})
     (said,) = placed.said("Error")
     assert sentence in said and "Traceback" not in said
     assert set(out.values()) == {None}
@@ -140,7 +140,7 @@ def test_lists_and_wrapped_values():
 
 def test_a_mesh_alone_is_fixed_all_around():
     placed = place("Mesh")
-    out = placed.run(mesh=square())
+    out = placed.settle(mesh=square())
     mesh = out["cgc_mesh"]
     assert isinstance(mesh.mesh, CGCMesh) and len(mesh.supports()) == 36 and out["problems"] == []
     assert mesh.number_of_faces() == 162 and placed.component.Message == "100 vertices, 1 regions"
@@ -149,23 +149,23 @@ def test_a_mesh_alone_is_fixed_all_around():
 
 def test_every_digit_of_the_mesh_is_kept():
     far = [(1e6 + 1 / 3, 2e6 + 1 / 7, 1 / 9), (1e6 + 4 / 3, 2e6 + 1 / 7, 1 / 9), (1e6 + 1 / 3, 2e6 + 8 / 7, 1 / 9)]
-    mesh = place("Mesh").run(mesh=rhino_mesh(far, [(0, 1, 2)]))["cgc_mesh"]
+    mesh = place("Mesh").settle(mesh=rhino_mesh(far, [(0, 1, 2)]))["cgc_mesh"]
     assert mesh.arrays()[0].tolist() == [list(point) for point in far]
 
 
 def test_supports_creases_and_flip():
     corners = [Point3d(x, y, 0.0) for x in (0.0, 9.0) for y in (0.0, 9.0)]
     half = SmoothCurve([Point3d(4.0, 9.0 * i / 100, 0.0) for i in range(101)])
-    mesh = place("Mesh").run(mesh=square(), supports=corners, creases=[half], flip=True)["cgc_mesh"]
+    mesh = place("Mesh").settle(mesh=square(), supports=corners, creases=[half], flip=True)["cgc_mesh"]
     assert len(mesh.supports()) == 4 and len(mesh.regions()) == 2 and len(mesh.creases()) == 1
     assert mesh.face_normal(0)[2] == pytest.approx(-1)
-    both = place("Mesh").run(mesh=square(), supports=[Point3d(4.0, 4.0, 0.0)], fix="corners")["cgc_mesh"]
+    both = place("Mesh").settle(mesh=square(), supports=[Point3d(4.0, 4.0, 0.0)], fix="corners")["cgc_mesh"]
     assert len(both.supports()) == 5
 
 
 def test_a_crease_beside_the_edges_is_laid_on_them_and_said():
     placed = place("Mesh")
-    mesh = placed.run(mesh=square(), creases=[line((4.2, 0, 0), (4.2, 9, 0))])["cgc_mesh"]
+    mesh = placed.settle(mesh=square(), creases=[line((4.2, 0, 0), (4.2, 9, 0))])["cgc_mesh"]
     assert len(mesh.regions()) == 2
     assert any("does not follow mesh edges" in text and "0.2" in text for text in placed.said("Remark"))
 
@@ -239,7 +239,7 @@ def test_goals_and_what_is_to_be_found():
 
 def test_regions_are_what_target_counts():
     mesh = place("Target").run(cgc_mesh=nine_regions(), K=[float(r + 1) for r in range(9)])["cgc_mesh"]
-    out = place("Regions").run(cgc_mesh=mesh)
+    out = place("Regions").settle(cgc_mesh=mesh)
     assert [len(part.Faces) for part in out["regions"]] == [18] * 9 and out["targets"] == [float(r + 1) for r in range(9)]
     assert len(out["creases"]) == 12 and len(out["supports"]) == 4
     (edge,) = out["edges"]
@@ -252,7 +252,7 @@ def test_analyse_measures_a_sphere():
     grid = [(x, y, np.sqrt(4 - x * x - y * y)) for x in u for y in u]
     m = n + 1
     cap = rhino_mesh(grid, [(i * m + j, (i + 1) * m + j, (i + 1) * m + j + 1, i * m + j + 1) for i in range(n) for j in range(n)])
-    mesh = place("Target").run(cgc_mesh=place("Mesh").run(mesh=cap)["cgc_mesh"], K=[0.25])["cgc_mesh"]
+    mesh = place("Target").run(cgc_mesh=place("Mesh").settle(mesh=cap)["cgc_mesh"], K=[0.25])["cgc_mesh"]
     out = place("Analyse").settle(cgc_mesh=mesh, show="error")
     inner = [k for k, K in enumerate(out["K"]) if K is not None]
     assert len(inner) == (n - 1) ** 2 and len(out["K"]) == len(out["H"]) == m * m
@@ -283,10 +283,10 @@ def test_panels_of_a_sphere_lie_on_it_and_need_no_bending():
     m = n + 1
     grid = [(x, y, np.sqrt(4 - x * x - y * y)) for x in u for y in u]
     faces = [(i * m + j, (i + 1) * m + j, (i + 1) * m + j + 1, i * m + j + 1) for i in range(n) for j in range(n)]
-    mesh = place("Mesh").run(mesh=rhino_mesh(grid, faces))["cgc_mesh"]
+    mesh = place("Mesh").settle(mesh=rhino_mesh(grid, faces))["cgc_mesh"]
     mesh = place("Target").run(cgc_mesh=mesh, K=[0.25])["cgc_mesh"]
     placed = place("Mould")
-    out = placed.run(cgc_mesh=mesh, size=0.4, aside=3.0)
+    out = placed.settle(cgc_mesh=mesh, size=0.4, aside=3.0)
     assert not placed.said("Error") and placed.component.Message == "9 panels, 1 mould"
     assert len(out["panels"]) == len(out["on_moulds"]) == len(out["names"]) == 9 and out["mould"] == [0] * 9
     assert max(out["misses"]) < 1e-9 and "sphere of K = 0.25" in out["report"]
@@ -294,7 +294,7 @@ def test_panels_of_a_sphere_lie_on_it_and_need_no_bending():
         assert [tuple(face) for face in panel.Faces] == [tuple(face) for face in laid.Faces]
     low = min(p.X for p in out["moulds"][0].Vertices)
     assert low == pytest.approx(0.6 + 3.0, abs=0.01)
-    assert placed.run(cgc_mesh=mesh)["names"] == ["0-1"]
+    assert placed.settle(cgc_mesh=mesh)["names"] == ["0-1"]
 
 
 def test_files_there_and_back(tmp_path):

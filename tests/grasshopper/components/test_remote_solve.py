@@ -24,7 +24,7 @@ from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from .test_solve import dome
 from .test_solve import endless
-from .test_solve import memory_of
+from .test_solve import task_of
 from .test_solve import until_done
 
 pytestmark = pytest.mark.usefixtures("rhino")
@@ -136,18 +136,18 @@ def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
     url = f"http://127.0.0.1:{port}"
     inputs = dict(run=True, server=url, **busy())
     placed.run(**inputs)
-    memory = memory_of(placed)
-    wait_for(lambda: memory.task.progress.note)
+    task = task_of(placed)
+    wait_for(lambda: task.progress.note)
     assert placed.run(**inputs)["status"] == "running" and placed.component.Message == "waiting"
     assert "start one with: compas-cgc serve; retrying" in placed.said("Warning")[0]
     with running_server(tmp_path / "first.sqlite", workers=1, port=port):
-        wait_for(lambda: memory.task.progress.step > 0)
+        wait_for(lambda: task.progress.step > 0)
         assert placed.run(**inputs)["status"] == "running" and not placed.component.balloons
-    wait_for(lambda: memory.task.progress.note)
+    wait_for(lambda: task.progress.note)
     # Another server knows nothing of the job and gets it again.
     with running_server(tmp_path / "second.sqlite", workers=1, port=port) as second:
         wait_for(lambda: "running" in states(second).values())
-        assert memory.task.running
+        assert task.running
         placed.run(reset=True)
         wait_for(lambda: "running" not in states(second).values())
 

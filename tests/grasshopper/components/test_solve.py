@@ -13,9 +13,11 @@ from compas_cgc import FlowSettings
 from compas_cgc import Height
 from compas_cgc import SolveResult
 from compas_cgc.grasshopper.components import solve as component_module
+from compas_cgc.grasshopper.runtime import runner
 from compas_cgc.grasshopper.runtime.address import Address
 from compas_cgc.grasshopper.runtime.background import BackgroundTask
 from compas_cgc.grasshopper.runtime.component_feedback import as_list
+from compas_cgc.grasshopper.runtime.fingerprint import fingerprint
 from compas_cgc.grasshopper.runtime.progress import Progress
 from compas_cgc.model.measures import measured_curvature
 from compas_cgc.model.problem import CGCProblem
@@ -40,9 +42,9 @@ def endless():
     return dict(cgc_mesh=dome(n=30), settings=FlowSettings(steps=10**6, tolerance=0.0))
 
 
-def memory_of(placed):
-    """Return what a component remembers."""
-    return component_module._MEMORIES.of(placed.component)
+def task_of(placed):
+    """Return the running task of a component, or None."""
+    return next(iter(component_module._RUNNER.tasks(placed.component)), None)
 
 
 def until_done(placed, **inputs):
@@ -88,12 +90,12 @@ def test_nothing_new_costs_next_to_nothing(monkeypatch):
     done = until_done(placed, **inputs)[-1]
     assert done["status"] == "step_limit" and "not converged in 5 steps" in placed.said("Warning")[0]
     compared = []
-    real = component_module.fingerprint
-    monkeypatch.setattr(component_module, "fingerprint", lambda *inputs: compared.append(inputs) or real(*inputs))
+    real = runner.fingerprint
+    monkeypatch.setattr(runner, "fingerprint", lambda *inputs: compared.append(inputs) or real(*inputs))
     again = placed.run(**inputs)
     assert again["mesh"] is done["mesh"] and not compared, "neither solved nor compared nor converted again"
     same = placed.run(**{**inputs, "cgc_mesh": mesh.copy(), "settings": FlowSettings(steps=5)})
-    assert same["mesh"] is done["mesh"] and len(compared) == 1, "an equal mesh is no news"
+    assert same["mesh"] is done["mesh"] and len(compared) == 2, "an equal mesh with equal settings is no news"
     assert not placed.component.document.scheduled
 
 
@@ -107,7 +109,7 @@ def test_progress_is_shown_and_rises():
 def test_a_newer_input_cancels_the_older_one():
     placed = place("Solve")
     placed.run(run=True, **endless())
-    first = memory_of(placed).task
+    first = task_of(placed)
     assert first.running
     outs = until_done(placed, cgc_mesh=dome(), run=True)
     assert outs[-1]["status"] == "converged" and first.wait(PATIENCE), "the older solve has ended"
@@ -128,22 +130,27 @@ def test_the_last_result_stays_until_the_next_one_is_there():
 def test_run_set_to_false_stops():
     placed = place("Solve")
     assert placed.run(run=True, **endless())["status"] == "running"
-    task = memory_of(placed).task
+    task = task_of(placed)
     inputs = endless()
     assert placed.run(run=False, **inputs)["status"] == "waiting"
-    assert task.wait(PATIENCE) and memory_of(placed).task is None
+    assert task.wait(PATIENCE) and task_of(placed) is None
 
 
-def test_while_a_solve_goes_on_nothing_is_solved_downstream():
+def test_intermediate_surfaces_are_shown_and_nothing_is_solved_downstream():
     placed = place("Solve")
-    placed.run(run=True, **endless())
-    texts = set()
+    inputs = endless()
+    outs, texts = [placed.run(run=True, **inputs)], set()
     end = time.monotonic() + PATIENCE
-    while len(texts) < 3 and time.monotonic() < end:
-        assert placed.component.document.tick() == 1 and not placed.component.expired
+    while (len(texts) < 3 or len(outs) < 4) and time.monotonic() < end:
+        placed.component.document.tick()
         texts.add(placed.component.Message)
+        if placed.component.expired:
+            outs.append(placed.run(run=True, **inputs))
         time.sleep(0.02)
     assert len(texts) >= 3, "the text under the component goes on"
+    assert len({id(out["mesh"]) for out in outs[1:]}) == len(outs) - 1 >= 3, "every surface is another one"
+    assert all(out["cgc_mesh"] is None and out["status"] == "running" for out in outs), "Analyse and others wait for the result"
+    assert placed.run(run=False, **inputs)["mesh"] is None, "what was not solved to the end is not kept"
     placed.run(reset=True)
 
 
@@ -156,21 +163,21 @@ def test_reset_cancels_and_forgets():
     placed = place("Solve")
     inputs = endless()
     placed.run(run=True, **inputs)
-    task = memory_of(placed).task
+    task = task_of(placed)
     out = placed.run(run=True, reset=True, **inputs)
     assert task.wait(PATIENCE) and set(out.values()) == {None} and placed.component.Message == "reset"
-    assert memory_of(placed) is None
+    assert task_of(placed) is None
 
 
 def test_removing_the_component_cancels():
     placed = place("Solve")
     placed.run(run=True, **endless())
-    task = memory_of(placed).task
+    task = task_of(placed)
     document, placed.component.document = placed.component.document, None
     placed.component.expired = False
     document.tick()
     assert task.wait(PATIENCE) and not placed.component.expired and not document.scheduled
-    assert memory_of(placed) is None
+    assert task_of(placed) is None
 
 
 def test_two_components_do_not_disturb_each_other():
@@ -234,8 +241,8 @@ def test_a_change_on_any_wire_is_news():
         (mesh, None, None, Height([44], 0.6)),
         *((mesh, None, None, one) for one in many),
     ]
-    assert len({component_module.fingerprint(*own) for own in inputs}) == len(inputs)
-    assert component_module.fingerprint(*inputs[7]) == component_module.fingerprint(mesh.copy(), None, None, Height([44], 0.6))
+    assert len({fingerprint(*own) for own in inputs}) == len(inputs)
+    assert fingerprint(*inputs[7]) == fingerprint(mesh.copy(), None, None, Height([44], 0.6))
 
 
 def test_another_server_is_asked_anew():
@@ -295,9 +302,9 @@ def test_a_fault_of_the_program_is_not_hidden(monkeypatch):
     def broken(report):
         raise ZeroDivisionError("a fault")
 
-    monkeypatch.setattr(component_module, "_solving", lambda *inputs: broken)
+    monkeypatch.setattr(component_module, "local_solve", lambda *inputs: broken)
     placed.run(cgc_mesh=dome(), run=True)
-    assert memory_of(placed).task.wait(PATIENCE)
+    assert task_of(placed).wait(PATIENCE)
     with pytest.raises(ZeroDivisionError):
         placed.run(cgc_mesh=dome(), run=True)
 

@@ -81,7 +81,7 @@ def test_there_are_thirty_of_them():
 def test_a_wrong_wire_is_one_sentence(name, wire, wrong):
     placed = place(name)
     inputs = {"cgc_mesh": dome()} if "cgc_mesh" in {one.name for one in placed.bundle.inputs} else {}
-    out = placed.run(**{**inputs, wire: wrong})
+    out = placed.settle(**{**inputs, wire: wrong})
     (sentence,) = placed.said("Error")
     assert re.match(rf"the input {wire} received .+; connect .+", sentence)
     assert all(value is None for value in out.values())
@@ -94,13 +94,13 @@ def test_every_input_says_what_it_takes():
 def test_inputs_of_one_value_take_it_out_of_a_list_and_tell_of_several():
     assert LISTS == {own.name for bundle in BUNDLES.values() for own in bundle.inputs if own.access == "list"}
     placed = place("Regions")
-    alone, listed = (placed.run(cgc_mesh=given) for given in (dome(), [None, dome()]))
+    alone, listed = (placed.settle(cgc_mesh=given) for given in (dome(), [None, dome()]))
     assert not placed.said("Error") and [value is None for value in listed.values()] == [value is None for value in alone.values()]
     for name in ("Analyse", "Constraints", "Mould", "Regions", "Solve"):
         placed = place(name)
-        placed.run(cgc_mesh=[dome(), dome()])
+        placed.settle(cgc_mesh=[dome(), dome()])
         assert placed.said("Error") == ["the input cgc_mesh received 2 values; connect one value, or set the input to item access"]
-        placed.run(cgc_mesh=[None])
+        placed.settle(cgc_mesh=[None])
         assert not placed.said("Error") and len(placed.said("Warning")) == 1
 
 
