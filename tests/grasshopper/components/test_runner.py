@@ -140,9 +140,11 @@ def test_a_newer_input_waits_for_the_older_one_to_end():
     def work(report, last):
         running.append(1)
         most.append(len(running))
-        while not report(Progress(1, preview=lambda: {"value": len(most)})):
-            time.sleep(0.002)
-        running.pop()
+        try:
+            while not report(Progress(1, preview=lambda: {"value": len(most)})):
+                time.sleep(0.002)
+        finally:
+            running.pop()
         return Finished(Outputs())
 
     runner, component = Runner(Outputs(), "counting"), Component(Document())
