@@ -1,0 +1,276 @@
+"""Smooth surfaces of all regions at once: heights over a plane for each region, equal along the edges that regions share.
+
+Heights are tensor-product splines. Gauss-Newton minimises the error of K at points of all faces, the distance from the vertices,
+the gaps along shared edges and the roughness. The regions are fitted together, so that neighbours meet along one curve.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+from scipy.interpolate import CubicSpline
+from scipy.optimize import linprog
+from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
+
+from ...discrete import face_normals
+from ...discrete.arrays import Faces
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...errors import MeshError
+from ...model.problem import CGCProblem
+from .edges import RegionEdge
+from .edges import region_edges
+from .heights import SECOND_ORDERS
+from .heights import HeightSpace
+from .heights import curvature
+
+__all__ = ["Piece", "Fit", "fitted"]
+
+MIN_COSINE = 0.05  # least cosine between the face normals of a region and its direction of projection
+LEVEL_COSINE = 0.6  # least cosine for a projection along the mean normal
+DISTANCE = 7e-5  # distance of a vertex, relative to the size, that costs as much as CURVATURE_ERROR
+CURVATURE_ERROR = 0.003  # error of K relative to its target
+CURVATURE_FLOOR = 0.02  # smallest reference for errors of K, for a surface of size 1
+GAP = 1e-3  # distance of neighbours along a shared edge that costs as much as DISTANCE, relative to it
+ROUGHNESS = 1e-10  # weight of the squared third derivative for edges of length 1
+START_ROUGHNESS = 1e-8  # the same for the initial surface through the vertices
+HELD_MARGIN = 3.0  # distance from supports, in mesh edges, up to which the weight of K is reduced: it may be singular there
+HELD_POWER = 4.0
+HELD_FREE = 0.0
+END_MARGIN = 2.0
+# Factors on DISTANCE, and errors of K in units of CURVATURE_ERROR beyond which they are outliers, such as at ends of creases.
+STAGES = ((16.0, np.inf, .1), (8.0, np.inf, .03), (4.0, np.inf, .01), (2.0, 300.0, .003), (1.0, 100.0, .001), *((1.0, 50.0, .001),) * 4, *((1.0, 20.0, .0001),) * 4); OWNP=1.
+VERBOSE = False
+DAMPING = 1e-9  # relative to the mean of the diagonal
+SAMPLES_PER_EDGE = 4  # points of a shared edge per mesh edge
+FACE_POINTS = (np.array([[2, 0, 0], [1, 1, 0], [1, 0, 1], [0, 2, 0], [0, 1, 1], [0, 0, 2]]) + 1 / 3) / 3.0  # barycentric
+
+
+class Piece(NamedTuple):
+    """The fitted surface of a region, in a frame of unit size."""
+
+    axes: FloatArray  # (3, 3) rows: two axes of the plane and the direction of the heights
+    space: HeightSpace
+    coefficients: FloatArray  # (a b,)
+
+    def local(self, points: FloatArray) -> FloatArray:
+        """Return points (k, 3) in the axes of the plane."""
+        return points @ self.axes.T
+
+    def lifted(self, xy: FloatArray) -> FloatArray:
+        """Return the points (k, 3) of the surface over points of the plane (k, 2)."""
+        return np.column_stack([xy, self.space.basis(xy) @ self.coefficients]) @ self.axes
+
+    def gaussian(self, xy: FloatArray) -> FloatArray:
+        """Return K (k,) over points of the plane (k, 2)."""
+        return curvature(*(self.space.basis(xy, order) @ self.coefficients for order in SECOND_ORDERS)).K
+
+
+class Fit(NamedTuple):
+    """The fitted surfaces of all regions, in a frame of unit size."""
+
+    pieces: list[Piece]
+    centre: FloatArray  # (3,) of the frame [L]
+    scale: float  # size of the surface [L]
+    edges: list[RegionEdge]
+    curves: list[FloatArray]  # (k, 3) points of every edge on its first surface, in the frame
+    gap: float  # largest distance of the second surface from the points of a shared edge [L]
+    distance: float  # largest distance of a vertex from its surface [L]
+    errors: FloatArray  # (m,) error of K at the face centres relative to its target, NaN where no K is prescribed
+    away: IntArray  # faces away from supports
+
+
+def fitted(problem: CGCProblem, cell: float = 1.0) -> Fit:
+    """Return smooth surfaces near all regions of a solved mesh, with shared edges.
+
+    Parameters
+    ----------
+    problem
+        The solved problem.
+    cell
+        Length of the spans of the splines relative to the mean edge length.
+
+    Raises
+    ------
+    MeshError
+        If a region is not a graph over a plane.
+    """
+    return _System(problem, cell).solved()
+
+
+class _Region(NamedTuple):
+    used: IntArray  # its vertices
+    faces: Faces
+    axes: FloatArray
+    plan: FloatArray  # (n, 3) all vertices in its axes
+    space: HeightSpace
+    start: int  # of its coefficients
+
+
+class _System:
+    """The equations of a fit."""
+
+    def __init__(self, problem: CGCProblem, cell: float):
+        V, F = problem.vertices, problem.faces
+        self.problem, self.label = problem, problem.regions()
+        self.centre, self.scale = V.mean(axis=0), float(np.linalg.norm(np.ptp(V, axis=0)))
+        self.V = (V - self.centre) / self.scale
+        self.edge = float(np.linalg.norm(self.V[F[:, 1]] - self.V[F[:, 0]], axis=1).mean())
+        self.edges = region_edges(self.V, F, self.label)
+        self.lines = [_samples(self.V[edge.path]) for edge in self.edges]
+        self.regions = self._regions(cell)
+        self.size = sum(region.space.size for region in self.regions)
+        self._tether()
+        self._curvature()
+        self.rough = sum((own.T @ own for own in self._stack(lambda region: region.space.roughness())), sparse.csr_matrix((self.size,) * 2))
+
+    def _regions(self, cell: float) -> list[_Region]:
+        regions, start = [], 0
+        normals = face_normals(self.V, self.problem.faces)
+        for number in range(self.label.max(initial=-1) + 1):
+            faces = self.problem.faces[self.label == number]
+            axes = _axes(self.V[np.unique(faces)], normals[self.label == number], number)
+            plan = self.V @ axes.T
+            own = np.concatenate([plan[np.unique(faces)]] + [line @ axes.T for e, line in zip(self.edges, self.lines) if number in e.regions])
+            space = HeightSpace.over(own[:, :2].min(axis=0), own[:, :2].max(axis=0), cell * self.edge)
+            regions.append(_Region(np.unique(faces), faces, axes, plan, space, start))
+            start += space.size
+        return regions
+
+    def _placed(self, rows: sparse.csr_matrix, region: _Region) -> sparse.csr_matrix:
+        """Return rows on the coefficients of a region as rows on all coefficients."""
+        return sparse.csr_matrix((rows.data, rows.indices + region.start, rows.indptr), shape=(rows.shape[0], self.size))
+
+    def _stack(self, rows) -> list[sparse.csr_matrix]:
+        return [self._placed(rows(region), region) for region in self.regions]
+
+    def _tether(self) -> None:
+        self.near = sparse.vstack(self._stack(lambda region: region.space.basis(region.plan[region.used, :2]))).tocsr()
+        self.heights = np.concatenate([region.plan[region.used, 2] for region in self.regions])
+
+    def _curvature(self) -> None:
+        targets = [np.nan if K is None else K * self.scale**2 for K in self.problem.region_targets()]
+        self.places = [np.einsum("pc,fcx->fpx", FACE_POINTS, own.plan[own.faces][:, :, :2]).reshape(-1, 2) for own in self.regions]
+        self.parts = [
+            sparse.vstack([self._placed(own.space.basis(xy, order), own) for own, xy in zip(self.regions, self.places)]).tocsr()
+            for order in SECOND_ORDERS
+        ]
+        self.target = np.concatenate([np.full(len(xy), targets[k]) for k, xy in enumerate(self.places)])
+        self.reference = np.maximum(np.abs(self.target), CURVATURE_FLOOR)
+        held = self.V[self.problem.supports]
+        points = np.concatenate([np.einsum("pc,fcx->fpx", FACE_POINTS, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
+        distance = cKDTree(held).query(points)[0] / self.edge if len(held) else np.full(len(points), np.inf)
+        weight = np.clip((distance - HELD_FREE) / (HELD_MARGIN - HELD_FREE), 0.0, 1.0) ** HELD_POWER
+        around: dict[int, set[int]] = {}
+        for edge in self.edges:
+            for end in edge.path[[0, -1]].tolist():
+                around.setdefault(end, set()).update(edge.regions)
+        crossings = [vertex for vertex, regions in around.items() if len(regions) > 2]
+        if crossings:
+            distance = cKDTree(self.V[crossings]).query(points)[0] / self.edge
+            weight = np.minimum(weight, np.minimum(1.0, distance / END_MARGIN) ** HELD_POWER)
+        self.curved = np.where(np.isfinite(self.target), weight, 0.0) / len(points)
+
+    def errors(self, x: FloatArray) -> FloatArray:
+        """Return the error of K at the face centres (m,) relative to its target."""
+        errors = np.full(len(self.label), np.nan)
+        for number, (own, K) in enumerate(zip(self.regions, self.problem.region_targets())):
+            if K is not None:
+                found = self._piece(own, x).gaussian(own.plan[own.faces].mean(axis=1)[:, :2])
+                target = K * self.scale**2
+                errors[self.label == number] = np.abs(found - target) / max(abs(target), CURVATURE_FLOOR)
+        return errors
+
+    def _piece(self, own: _Region, x: FloatArray) -> Piece:
+        return Piece(own.axes, own.space, x[own.start : own.start + own.space.size])
+
+    def gaps(self, x: FloatArray) -> tuple[sparse.csr_matrix, FloatArray, list[FloatArray]]:
+        """Return the gaps along shared edges (k,), their derivatives (k, size), and the points of all edges on their first surface."""
+        rows, gaps, curves = [sparse.csr_matrix((0, self.size))], [np.empty(0)], []
+        for edge, line in zip(self.edges, self.lines):
+            first = self.regions[edge.regions[0]]
+            xy = (line @ first.axes.T)[:, :2]
+            basis = first.space.basis(xy)
+            points = np.column_stack([xy, basis @ x[first.start : first.start + first.space.size]]) @ first.axes
+            curves.append(points)
+            if len(edge.regions) == 2:
+                second = self.regions[edge.regions[1]]
+                local = points @ second.axes.T
+                own = x[second.start : second.start + second.space.size]
+                p, q = (second.space.basis(local[:, :2], order) @ own for order in ((1, 0), (0, 1)))
+                upright = 1.0 / np.sqrt(1.0 + p * p + q * q)
+                other = second.space.basis(local[:, :2])
+                way = second.axes @ first.axes[2]
+                turn = (way[2] - p * way[0] - q * way[1]) * upright
+                gaps.append((local[:, 2] - other @ own) * upright)
+                one = self._placed(basis.multiply(turn[:, None]).tocsr(), first)
+                rows.append(one - self._placed(other.multiply(upright[:, None]).tocsr(), second))
+        return sparse.vstack(rows).tocsr(), np.concatenate(gaps), curves
+
+    def solved(self) -> Fit:
+        """Return the fit."""
+        count, stiff = len(self.heights), self.edge**4 * self.rough
+        x = splu((self.near.T @ self.near / count + START_ROUGHNESS * stiff).tocsc()).solve(self.near.T @ self.heights / count)
+        own = np.ones(count)
+        stiff = ROUGHNESS / DISTANCE**2 * stiff
+        for looser, outlier, joint in STAGES:
+            K, gradients = curvature(*(part @ x for part in self.parts))
+            error = np.where(self.curved > 0.0, (K - self.target) / self.reference, 0.0) / CURVATURE_ERROR
+            weight = self.curved / (1.0 + (error / outlier) ** 2)
+            by = sum(part.multiply((own_ / self.reference / CURVATURE_ERROR)[:, None]) for part, own_ in zip(self.parts, gradients)).tocsr()
+            by.data[~np.isfinite(by.data)] = 0.0
+            off = self.heights - self.near @ x
+            own *= np.maximum(1.0, np.abs(off) / (looser * DISTANCE)) ** OWNP
+            own /= np.sqrt(own.mean())
+            tether = own / count / (looser * DISTANCE) ** 2
+            across, gap, _ = self.gaps(x)
+            join = 1.0 / (joint * DISTANCE) ** 2 / max(len(gap), 1)
+            normal = by.T @ by.multiply(weight[:, None]) + self.near.T @ self.near.multiply(tether[:, None]) + join * across.T @ across + stiff
+            right = self.near.T @ (tether * off) - by.T @ (weight * error) - join * (across.T @ gap) - stiff @ x
+            normal = (normal + DAMPING * normal.diagonal().mean() * sparse.identity(self.size)).tocsc()
+            x = x + splu(normal, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0).solve(right)
+            if VERBOSE: print(looser, outlier, 'err', (np.percentile(np.abs(error[self.curved>0])*CURVATURE_ERROR,[50,95,100])).round(3), 'off', np.abs(off).max(), 'gap', np.abs(gap).max(initial=0))
+        return self._measured(x)
+
+    def _measured(self, x: FloatArray) -> Fit:
+        _, gap, curves = self.gaps(x)
+        distance = 0.0
+        for region in self.regions:
+            piece, xy = self._piece(region, x), region.plan[region.used, :2]
+            p, q = (region.space.basis(xy, order) @ piece.coefficients for order in ((1, 0), (0, 1)))
+            off = (region.plan[region.used, 2] - region.space.basis(xy) @ piece.coefficients) / np.sqrt(1.0 + p * p + q * q)
+            distance = max(distance, float(np.abs(off).max()))
+        pieces = [self._piece(region, x) for region in self.regions]
+        V, F = self.V, self.problem.faces
+        held = V[self.problem.supports]
+        away = np.flatnonzero(cKDTree(held).query(V[F].mean(axis=1))[0] > 2.0 * self.edge) if len(held) else np.arange(len(F))
+        gap_ = float(np.abs(gap).max(initial=0.0))
+        return Fit(pieces, self.centre, self.scale, self.edges, curves, gap_ * self.scale, distance * self.scale, self.errors(x), away)
+
+
+def _axes(points: FloatArray, normals: FloatArray, number: int) -> FloatArray:
+    """Return axes (3, 3) in which a region is a graph: its mean normal if possible, otherwise the direction best for the worst face."""
+    direction = normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
+    if (normals @ direction).min() < LEVEL_COSINE:
+        sides = np.column_stack([-normals, np.ones(len(normals))])
+        best = linprog([0, 0, 0, -1], A_ub=sides, b_ub=np.zeros(len(normals)), bounds=[(-1, 1)] * 3 + [(None, None)]).x[:3]
+        direction = best / max(float(np.linalg.norm(best)), 1e-300)
+    if (normals @ direction).min() < MIN_COSINE:
+        raise MeshError(f"region {number} closes or folds over, so it is no surface over a plane; divide it by a crease")
+    flat = points - np.outer(points @ direction, direction)
+    axis = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][0]
+    axis -= (axis @ direction) * direction
+    axis /= np.linalg.norm(axis)
+    return np.array([axis, np.cross(direction, axis), direction])
+
+
+def _samples(points: FloatArray) -> FloatArray:
+    """Return points (k, 3) on the smooth curve through the vertices of an edge."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    places = np.interp(np.arange(SAMPLES_PER_EDGE * (len(points) - 1) + 1) / SAMPLES_PER_EDGE, np.arange(len(points)), along)
+    if len(points) == 2:
+        return points[0] + (places / along[-1])[:, None] * (points[1] - points[0])
+    return CubicSpline(along, points)(places)
