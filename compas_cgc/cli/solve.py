@@ -19,6 +19,8 @@ from .._atomic_write import PartlyPublished
 from .._atomic_write import published_together
 from ..errors import CGCError
 from ..errors import FileError
+from ..errors import MeshError
+from ..io.formats import FORMATS
 from .arguments import add_input
 from .arguments import add_options
 from .arguments import add_reading
@@ -53,6 +55,7 @@ __all__ = ["add_arguments", "run"]
 
 PICTURE_WIDTH = 1000  # pixels; the time of shading grows with the area
 
+MESH_SUFFIX = ".obj"  # of a mesh whose smooth surfaces are refused
 UNFINISHED = ("step_limit", "stalled", "cancelled")  # statuses whose surface is worth keeping
 PICTURES = ("regions", "K", "zebra")
 
@@ -250,7 +253,13 @@ def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis:
     output = Path(arguments.output)
     if result.converged:
         with parts.part(f"writing {output}"):
-            notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
+            try:
+                notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
+            except MeshError as error:
+                print(f"compas-cgc: {error}", file=sys.stderr)
+                mesh = output.with_suffix(MESH_SUFFIX)
+                write(mesh, result)
+                return INCOMPLETE, [f"wrote the mesh to {mesh} instead of {output}"]
         if not analysis.verdict.fair:
             print(f"compas-cgc: K meets its target, but the surface is {analysis.verdict}", file=sys.stderr)
         return (DONE if analysis.verdict.fair else ROUGH), [*notes, f"wrote {output}"]
@@ -263,7 +272,8 @@ def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis:
 
 
 def _unfinished(output: Path) -> Path:
-    return output.with_name(f"{output.stem}.unfinished{output.suffix}")
+    suffix = MESH_SUFFIX if FORMATS[output.suffix.lower()].surfaces else output.suffix
+    return output.with_name(f"{output.stem}.unfinished{suffix}")
 
 
 def _save_elsewhere(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, error: FileError) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-__all__ = ["FORMATS", "MEDIA_TYPES", "OUTPUTS", "READ_SUFFIXES", "SUFFIXES", "Format", "listed"]
+__all__ = ["FORMATS", "MEDIA_TYPES", "OUTPUTS", "READ_SUFFIXES", "SUFFIXES", "WRITTEN_SUFFIXES", "Format", "listed"]
 
 
 class Format(NamedTuple):
@@ -20,6 +20,8 @@ class Format(NamedTuple):
         holds no meshes.
     plan
         Whether plans are read from the curves of such files.
+    surfaces
+        Whether the smooth surfaces of the regions of a result are written to such files.
     media_type
         Media type over HTTP; empty if the server does not take such files.
     extra
@@ -37,6 +39,7 @@ class Format(NamedTuple):
     targets: str = ""
     goals: str = ""
     plan: bool = False
+    surfaces: bool = False
     media_type: str = ""
     extra: str = ""
 
@@ -48,11 +51,14 @@ FORMATS = {
     ".off": Format("Object File Format", "exact", "no", "no", "no"),
     ".ply": Format("Stanford", "exact", "yes: vertex `role`, edge `crease`", "of vertices: `target`", "no"),
     ".stl": Format("stereolithography", "exact; vertices are renumbered", "no", "no", "no"),
+    ".step": Format("STEP", surfaces=True, media_type="model/step", extra="cad"),
+    ".stp": Format("STEP", surfaces=True, media_type="model/step", extra="cad"),
     ".dxf": Format("AutoCAD", plan=True, media_type="image/vnd.dxf", extra="fabrication"),
 }
 
 SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordinates)
 READ_SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordinates or own.plan)
+WRITTEN_SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordinates or own.surfaces)
 
 # Files of the tasks that follow a solve; the suffix selects the contents.
 OUTPUTS = {

@@ -20,8 +20,9 @@ from ._files import written
 from .compas_json import json_text
 from .compas_json import read_json
 from .cursor import guarded
+from .formats import FORMATS
 from .formats import READ_SUFFIXES
-from .formats import SUFFIXES
+from .formats import WRITTEN_SUFFIXES
 from .formats import listed
 from .reading import ReadProblem
 
@@ -217,6 +218,8 @@ def write(
     ------
     FileError
         If the file cannot be written.
+    MeshError
+        If the smooth surfaces of a STEP file do not meet their tolerances.
 
     Examples
     --------
@@ -232,6 +235,8 @@ def write(
     if suffix == ".3dm":
         return _write_3dm(target, surface, source, version, analysis, nurbs)
     notes = []
+    if FORMATS[suffix].surfaces:
+        return _write_step(target, surface)
     if suffix == ".json":
         text = json_text(surface)
     else:
@@ -241,6 +246,15 @@ def write(
             notes.append(f"the laws of regions {listed(map(str, problem.laws))} are not in {target.name}; .3dm and .json files hold laws")
     with written(target) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
+    return notes
+
+
+def _write_step(target: Path, surface: Union[SolveResult, PosesProblem]) -> list[str]:
+    from .step import step_bytes
+
+    content, notes = step_bytes(problem_of(surface, "or a result is written").without_dummies())
+    with written(target) as temporary:
+        temporary.write_bytes(content)
     return notes
 
 
@@ -271,7 +285,7 @@ def _write_3dm(
 
 @names_what_was_meant()
 def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
-    """Return the suffix of a file that can be read and written, in lower case.
+    """Return the suffix of a file that can be written, in lower case.
 
     Parameters
     ----------
@@ -293,7 +307,7 @@ def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     >>> known_suffix("Roof.3DM")
     '.3dm'
     """
-    return _suffix_among(path, SUFFIXES)
+    return _suffix_among(path, WRITTEN_SUFFIXES)
 
 
 def _suffix_among(path: PathLike, suffixes: tuple[str, ...]) -> str:

@@ -6,6 +6,7 @@ the gaps along shared edges and the roughness. The regions are fitted together, 
 
 from __future__ import annotations
 
+from typing import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -27,24 +28,47 @@ from .heights import SECOND_ORDERS
 from .heights import HeightSpace
 from .heights import curvature
 
-__all__ = ["Piece", "Fit", "fitted"]
+__all__ = ["CLOSE", "LOOSE", "Fit", "Piece", "fitted"]
 
 MIN_COSINE = 0.05  # least cosine between the face normals of a region and its direction of projection
 LEVEL_COSINE = 0.6  # least cosine for a projection along the mean normal
 DISTANCE = 7e-5  # distance of a vertex, relative to the size, that costs as much as CURVATURE_ERROR
 CURVATURE_ERROR = 0.003  # error of K relative to its target
 CURVATURE_FLOOR = 0.02  # smallest reference for errors of K, for a surface of size 1
-GAP = 1e-3  # distance of neighbours along a shared edge that costs as much as DISTANCE, relative to it
 ROUGHNESS = 1e-10  # weight of the squared third derivative for edges of length 1
-START_ROUGHNESS = 1e-8  # the same for the initial surface through the vertices
+START_ROUGHNESS = 1e-4  # the same for the initial surface through the vertices
 HELD_MARGIN = 3.0  # distance from supports, in mesh edges, up to which the weight of K is reduced: it may be singular there
-HELD_POWER = 4.0
-HELD_FREE = 0.0
-END_MARGIN = 2.0
-# Factors on DISTANCE, and errors of K in units of CURVATURE_ERROR beyond which they are outliers, such as at ends of creases.
-STAGES = ((16.0, np.inf, .1), (8.0, np.inf, .03), (4.0, np.inf, .01), (2.0, 300.0, .003), (1.0, 100.0, .001), *((1.0, 50.0, .001),) * 4, *((1.0, 20.0, .0001),) * 4); OWNP=1.
-VERBOSE = False
-DAMPING = 1e-9  # relative to the mean of the diagonal
+MARGIN_POWER = 4.0
+CROSSING_MARGIN = 2.0  # the same for points where three or more regions meet
+# Factors on DISTANCE, errors of K in units of CURVATURE_ERROR beyond which they are outliers, and gaps that cost as much as DISTANCE,
+# relative to it.
+CLOSE = (
+    (16.0, np.inf, 1e-1),
+    (8.0, np.inf, 3e-2),
+    (4.0, np.inf, 1e-2),
+    (2.0, 300.0, 3e-3),
+    (1.0, 100.0, 1e-3),
+    *((1.0, 50.0, 1e-3),) * 4,
+    *((1.0, 20.0, 1e-4),) * 4,
+    *((1.0, 20.0, 3e-5),) * 3,
+)
+# For meshes that are farther from a surface with exact K.
+LOOSE = (
+    (16.0, np.inf, 1e-1),
+    (8.0, np.inf, 3e-2),
+    (4.0, np.inf, 1e-2),
+    (4.0, np.inf, 3e-3),
+    *((4.0, np.inf, 1e-3),) * 4,
+    *((3.0, np.inf, 1e-4),) * 3,
+    *((1.0, np.inf, 1e-4),) * 2,
+)
+Stages = tuple[tuple[float, float, float], ...]
+MEASURED_GAP = 1e-3  # relative gap of the stages whose surfaces are candidates
+MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the size
+MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
+MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from supports
+AWAY = 2.0  # distance from supports, in mesh edges, beyond which the error of K counts
+DAMPING = 1e-8  # relative to the mean of the diagonal
 SAMPLES_PER_EDGE = 4  # points of a shared edge per mesh edge
 FACE_POINTS = (np.array([[2, 0, 0], [1, 1, 0], [1, 0, 1], [0, 2, 0], [0, 1, 1], [0, 0, 2]]) + 1 / 3) / 3.0  # barycentric
 
@@ -82,8 +106,19 @@ class Fit(NamedTuple):
     errors: FloatArray  # (m,) error of K at the face centres relative to its target, NaN where no K is prescribed
     away: IntArray  # faces away from supports
 
+    def percentiles(self) -> FloatArray:
+        """Return the 50th, 95th and 100th percentile of the error of K away from supports, relative to its target (3,)."""
+        errors = self.errors[self.away]
+        errors = errors[np.isfinite(errors)]
+        return np.percentile(errors, [50, 95, 100]) if len(errors) else np.zeros(3)
 
-def fitted(problem: CGCProblem, cell: float = 1.0) -> Fit:
+    def shortfall(self) -> float:
+        """Return the largest of distance, gap and error of K (95th percentile), each relative to its tolerance."""
+        distance, gap = self.distance / (MAX_DISTANCE * self.scale), self.gap / (MAX_GAP * self.scale)
+        return max(distance, gap, float(self.percentiles()[1]) / MAX_CURVATURE_ERROR)
+
+
+def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
     """Return smooth surfaces near all regions of a solved mesh, with shared edges.
 
     Parameters
@@ -92,13 +127,15 @@ def fitted(problem: CGCProblem, cell: float = 1.0) -> Fit:
         The solved problem.
     cell
         Length of the spans of the splines relative to the mean edge length.
+    stages
+        Weights of the Gauss-Newton steps.
 
     Raises
     ------
     MeshError
         If a region is not a graph over a plane.
     """
-    return _System(problem, cell).solved()
+    return _System(problem, cell).solved(stages)
 
 
 class _Region(NamedTuple):
@@ -134,7 +171,9 @@ class _System:
             faces = self.problem.faces[self.label == number]
             axes = _axes(self.V[np.unique(faces)], normals[self.label == number], number)
             plan = self.V @ axes.T
-            own = np.concatenate([plan[np.unique(faces)]] + [line @ axes.T for e, line in zip(self.edges, self.lines) if number in e.regions])
+            own = np.concatenate(
+                [plan[np.unique(faces)]] + [line @ axes.T for e, line in zip(self.edges, self.lines) if number in e.regions]
+            )
             space = HeightSpace.over(own[:, :2].min(axis=0), own[:, :2].max(axis=0), cell * self.edge)
             regions.append(_Region(np.unique(faces), faces, axes, plan, space, start))
             start += space.size
@@ -144,7 +183,7 @@ class _System:
         """Return rows on the coefficients of a region as rows on all coefficients."""
         return sparse.csr_matrix((rows.data, rows.indices + region.start, rows.indptr), shape=(rows.shape[0], self.size))
 
-    def _stack(self, rows) -> list[sparse.csr_matrix]:
+    def _stack(self, rows: Callable[[_Region], sparse.csr_matrix]) -> list[sparse.csr_matrix]:
         return [self._placed(rows(region), region) for region in self.regions]
 
     def _tether(self) -> None:
@@ -163,7 +202,7 @@ class _System:
         held = self.V[self.problem.supports]
         points = np.concatenate([np.einsum("pc,fcx->fpx", FACE_POINTS, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
         distance = cKDTree(held).query(points)[0] / self.edge if len(held) else np.full(len(points), np.inf)
-        weight = np.clip((distance - HELD_FREE) / (HELD_MARGIN - HELD_FREE), 0.0, 1.0) ** HELD_POWER
+        weight = np.minimum(1.0, distance / HELD_MARGIN) ** MARGIN_POWER
         around: dict[int, set[int]] = {}
         for edge in self.edges:
             for end in edge.path[[0, -1]].tolist():
@@ -171,7 +210,7 @@ class _System:
         crossings = [vertex for vertex, regions in around.items() if len(regions) > 2]
         if crossings:
             distance = cKDTree(self.V[crossings]).query(points)[0] / self.edge
-            weight = np.minimum(weight, np.minimum(1.0, distance / END_MARGIN) ** HELD_POWER)
+            weight = np.minimum(weight, np.minimum(1.0, distance / CROSSING_MARGIN) ** MARGIN_POWER)
         self.curved = np.where(np.isfinite(self.target), weight, 0.0) / len(points)
 
     def errors(self, x: FloatArray) -> FloatArray:
@@ -210,30 +249,36 @@ class _System:
                 rows.append(one - self._placed(other.multiply(upright[:, None]).tocsr(), second))
         return sparse.vstack(rows).tocsr(), np.concatenate(gaps), curves
 
-    def solved(self) -> Fit:
+    def solved(self, stages: Stages) -> Fit:
         """Return the fit."""
         count, stiff = len(self.heights), self.edge**4 * self.rough
         x = splu((self.near.T @ self.near / count + START_ROUGHNESS * stiff).tocsc()).solve(self.near.T @ self.heights / count)
-        own = np.ones(count)
+        own, tried = np.ones(count), []
         stiff = ROUGHNESS / DISTANCE**2 * stiff
-        for looser, outlier, joint in STAGES:
+        for looser, outlier, joint in stages:
             K, gradients = curvature(*(part @ x for part in self.parts))
             error = np.where(self.curved > 0.0, (K - self.target) / self.reference, 0.0) / CURVATURE_ERROR
             weight = self.curved / (1.0 + (error / outlier) ** 2)
-            by = sum(part.multiply((own_ / self.reference / CURVATURE_ERROR)[:, None]) for part, own_ in zip(self.parts, gradients)).tocsr()
+            by = sum(
+                part.multiply((gradient / self.reference / CURVATURE_ERROR)[:, None]) for part, gradient in zip(self.parts, gradients)
+            ).tocsr()
             by.data[~np.isfinite(by.data)] = 0.0
             off = self.heights - self.near @ x
-            own *= np.maximum(1.0, np.abs(off) / (looser * DISTANCE)) ** OWNP
+            own *= np.maximum(1.0, np.abs(off) / (looser * DISTANCE))
             own /= np.sqrt(own.mean())
             tether = own / count / (looser * DISTANCE) ** 2
             across, gap, _ = self.gaps(x)
             join = 1.0 / (joint * DISTANCE) ** 2 / max(len(gap), 1)
-            normal = by.T @ by.multiply(weight[:, None]) + self.near.T @ self.near.multiply(tether[:, None]) + join * across.T @ across + stiff
+            normal = (
+                by.T @ by.multiply(weight[:, None]) + self.near.T @ self.near.multiply(tether[:, None]) + join * across.T @ across + stiff
+            )
             right = self.near.T @ (tether * off) - by.T @ (weight * error) - join * (across.T @ gap) - stiff @ x
             normal = (normal + DAMPING * normal.diagonal().mean() * sparse.identity(self.size)).tocsc()
             x = x + splu(normal, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0).solve(right)
-            if VERBOSE: print(looser, outlier, 'err', (np.percentile(np.abs(error[self.curved>0])*CURVATURE_ERROR,[50,95,100])).round(3), 'off', np.abs(off).max(), 'gap', np.abs(gap).max(initial=0))
-        return self._measured(x)
+            if joint <= MEASURED_GAP:
+                tried.append(self._measured(x))
+        # Steps near the end do not always improve a surface that is singular somewhere.
+        return min(tried, key=Fit.shortfall)
 
     def _measured(self, x: FloatArray) -> Fit:
         _, gap, curves = self.gaps(x)
@@ -246,7 +291,7 @@ class _System:
         pieces = [self._piece(region, x) for region in self.regions]
         V, F = self.V, self.problem.faces
         held = V[self.problem.supports]
-        away = np.flatnonzero(cKDTree(held).query(V[F].mean(axis=1))[0] > 2.0 * self.edge) if len(held) else np.arange(len(F))
+        away = np.flatnonzero(cKDTree(held).query(V[F].mean(axis=1))[0] > AWAY * self.edge) if len(held) else np.arange(len(F))
         gap_ = float(np.abs(gap).max(initial=0.0))
         return Fit(pieces, self.centre, self.scale, self.edges, curves, gap_ * self.scale, distance * self.scale, self.errors(x), away)
 

@@ -17,6 +17,7 @@ from .builds import build_file
 from .builds import is_build
 from .decoding import packed
 from .mesh_files import KINDS
+from .mesh_files import SURFACES
 from .mesh_files import file_bytes
 from .rhino_mesh import mesh_text
 from .serialization import WORDS
@@ -25,7 +26,7 @@ from .serialization import unpack_result
 __all__ = ["FORMATS", "SHOWN", "encoded", "merged_into", "moved"]
 
 SHOWN = ("arrays", "packed", "compas", "hops")  # returned as JSON; the other formats are files to download
-OF_A_SOLVE = {**dict.fromkeys(SHOWN, "application/json"), **KINDS}
+OF_A_SOLVE = {**dict.fromkeys(SHOWN, "application/json"), **KINDS, **SURFACES}
 FORMATS = {**OF_A_SOLVE, **BUILD_FORMATS}
 
 

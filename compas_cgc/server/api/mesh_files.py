@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from typing import Optional
 
 from ...errors import FileError
+from ...errors import MeshError
 from ...io.formats import FORMATS
 from ...io.formats import SUFFIXES
 from ..errors import Unprocessable
@@ -16,8 +17,9 @@ if TYPE_CHECKING:
     from ...datastructures import SolveResult
     from ...io.reading import ReadProblem
 
-__all__ = ["KINDS", "file_bytes", "read_upload", "warm_up_io"]
+__all__ = ["KINDS", "SURFACES", "file_bytes", "read_upload", "warm_up_io"]
 
+SURFACES = {suffix[1:]: own.media_type for suffix, own in FORMATS.items() if own.surfaces}
 KINDS = {suffix[1:]: FORMATS[suffix].media_type for suffix in SUFFIXES if FORMATS[suffix].media_type}
 
 
@@ -43,12 +45,12 @@ def read_upload(kind: str, body: bytes, result: bool = False, edge_length: Optio
 
 
 def file_bytes(kind: str, result: SolveResult, source: Optional[bytes] = None) -> bytes:
-    """Return a result as the bytes of a .3dm or .obj file; a .3dm can be merged into the bytes of another.
+    """Return a result as the bytes of a .3dm, .obj or STEP file; a .3dm can be merged into the bytes of another.
 
     Raises
     ------
     Unprocessable
-        If the source file cannot be read.
+        If the source file cannot be read, or if smooth surfaces do not meet their tolerances.
     """
     from ...io import write
 
@@ -58,7 +60,7 @@ def file_bytes(kind: str, result: SolveResult, source: Optional[bytes] = None) -
             drawing.write_bytes(source)
         try:
             write(path, result, source=drawing if source is not None else None)
-        except FileError as error:
+        except (FileError, MeshError) as error:
             raise Unprocessable(str(error).replace(str(drawing), "the file")) from None
         return path.read_bytes()
 

@@ -1,0 +1,57 @@
+"""Surfaces of all regions that meet their tolerances, or one sentence why there are none."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+from ...errors import MeshError
+from ...model.problem import CGCProblem
+from .fit import CLOSE
+from .fit import LOOSE
+from .fit import MAX_CURVATURE_ERROR
+from .fit import MAX_DISTANCE
+from .fit import MAX_GAP
+from .fit import Fit
+from .fit import fitted
+
+__all__ = ["region_surfaces"]
+
+TRIALS = ((0.67, CLOSE), (0.67, LOOSE), (0.5, CLOSE))  # spans relative to the edge length, and weights, tried in this order
+
+
+def region_surfaces(problem: CGCProblem) -> Fit:
+    """Return smooth surfaces of all regions with shared edges.
+
+    Parameters
+    ----------
+    problem
+        A solved problem.
+
+    Raises
+    ------
+    MeshError
+        If a region is not a graph over a plane, or if no fit meets the tolerances.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("facade.3dm")))
+    >>> fit = region_surfaces(result.problem)
+    >>> len(fit.pieces), bool(fit.gap < 1e-5)
+    (3, True)
+    """
+    fit: Optional[Fit] = None
+    for trial in TRIALS:
+        found = fitted(problem, *trial)
+        fit = found if fit is None else min(fit, found, key=Fit.shortfall)
+        if fit.shortfall() <= 1.0:
+            return fit
+    assert fit is not None
+    size, error = fit.scale, float(fit.percentiles()[1])
+    reasons = {
+        f"they are {1e3 * fit.distance / size:.3g} thousandths of the roof's size from the mesh": fit.distance > MAX_DISTANCE * size,
+        f"neighbouring surfaces are {1e3 * fit.gap / size:.3g} thousandths of the roof's size apart": fit.gap > MAX_GAP * size,
+        f"K differs from its target by {100 * error:.3g} % (95th percentile away from supports)": error > MAX_CURVATURE_ERROR,
+    }
+    missed = " and ".join(reason for reason, missing in reasons.items() if missing)
+    raise MeshError(f"no smooth surfaces of the regions were written, because {missed}; refine the mesh, or write .3dm")

@@ -1,0 +1,106 @@
+"""STEP files: one valid shell of trimmed faces with shared edges, near the mesh, with the K of every region."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import dblquad
+
+import compas_cgc
+from compas_cgc.cli import main
+from compas_cgc.discrete import face_areas
+from compas_cgc.errors import MeshError
+from compas_cgc.fabrication.shell import fit as shell_fit
+from compas_cgc.fabrication.shell.edges import region_edges
+from compas_cgc.fabrication.shell.heights import HeightSpace
+from compas_cgc.fabrication.shell.regions import region_surfaces
+from compas_cgc.io.step import step_bytes
+
+occt = pytest.importorskip("compas_occt._occt")
+SHELL, FACE, EDGE = 3, 4, 6
+
+
+def shell_of(path):
+    """Return the shape of a STEP file."""
+    return occt.read_step(str(path))
+
+
+def free_edges(shape):
+    """Return the edges of a shape that have one face."""
+    return [edge for edge in occt.shape_explore(shape, EDGE) if len(occt.ancestors(shape, edge, EDGE, FACE)) == 1]
+
+
+@pytest.fixture(scope="module")
+def facade():
+    return compas_cgc.solve(compas_cgc.read(compas_cgc.get("facade.3dm")))
+
+
+def test_regions_are_one_valid_shell_whose_free_edges_are_the_rim(facade, tmp_path):
+    (note,) = compas_cgc.write(tmp_path / "facade.step", facade)
+    assert note.startswith("3 faces in one shell")
+    shell = shell_of(tmp_path / "facade.step")
+    assert occt.is_valid(shell) and len(occt.shape_explore(shell, FACE)) == 3 and len(occt.shape_explore(shell, SHELL)) == 1
+    problem = facade.problem
+    rim = [edge for edge in region_edges(problem.vertices, problem.faces, problem.regions()) if len(edge.regions) == 1]
+    assert len(free_edges(shell)) == len(rim)
+    # Millimetres; the mesh is inscribed.
+    assert occt.area(shell) == pytest.approx(1e6 * face_areas(problem.vertices, problem.faces).sum(), rel=3e-3)
+
+
+def test_surfaces_meet_and_have_their_curvature(facade):
+    fit = region_surfaces(facade.problem)
+    assert fit.gap < 1e-5 and fit.distance < 5e-4 * fit.scale
+    half, most, _ = fit.percentiles()
+    assert half < 0.002 and most < 0.02
+
+
+def test_a_sphere_with_a_courtyard_is_trimmed_to_its_area(tmp_path):
+    mesh = compas_cgc.CGCMesh.from_meshgrid(dx=8.0, nx=16)
+    V, F = mesh.arrays()
+    V = V - [4.0, 4.0, 0.0]
+    V[:, 2] = np.sqrt(100.0 - V[:, 0] ** 2 - V[:, 1] ** 2)
+    kept = F[np.abs(V[F].mean(axis=1)[:, :2]).max(axis=1) > 1.5]
+    used, kept = np.unique(kept, return_inverse=True)
+    mesh = compas_cgc.CGCMesh.from_vertices_and_faces(V[used].tolist(), kept.reshape(-1, 3).tolist())
+    mesh.set_target(0.01)
+    content, _ = step_bytes(mesh.to_problem())
+    (tmp_path / "ring.step").write_bytes(content)
+    shell = shell_of(tmp_path / "ring.step")
+    assert occt.is_valid(shell) and len(free_edges(shell)) == 8
+
+    def area(half):
+        """Return the area of the sphere of radius 10 over a square around its pole."""
+        return dblquad(lambda y, x: 10.0 / np.sqrt(100.0 - x * x - y * y), -half, half, -half, half)[0]
+
+    assert occt.area(shell) == pytest.approx(1e6 * (area(4.0) - area(1.5)), rel=1e-4)
+
+
+def test_height_splines_reproduce_polynomials_with_their_curvature():
+    space = HeightSpace.over(np.array([-1.0, -2.0]), np.array([1.0, 2.0]), 0.5)
+    grid = np.stack(np.meshgrid(np.linspace(-1, 1, 30), np.linspace(-2, 2, 40), indexing="ij"), axis=-1).reshape(-1, 2)
+    x, y = grid.T
+    B = space.basis(grid)
+    coefficients = np.linalg.lstsq(B.toarray(), x**3 * y - y**2, rcond=None)[0]
+    assert np.allclose(B @ coefficients, x**3 * y - y**2)
+    assert np.allclose(space.basis(grid, (2, 1)) @ coefficients, 6 * x)
+    found = shell_fit.Piece(np.eye(3), space, coefficients).gaussian(grid)
+    p, q, r, s, t = 3 * x**2 * y, x**3 - 2 * y, 6 * x * y, 3 * x**2, -2.0
+    assert np.allclose(found, (r * t - s * s) / (1 + p * p + q * q) ** 2)
+
+
+def test_a_region_that_closes_is_refused():
+    sphere = compas_cgc.CGCMesh.from_polyhedron(20)
+    sphere.set_target(1.0)
+    with pytest.raises(MeshError, match="closes or folds over"):
+        region_surfaces(sphere.to_problem())
+
+
+def test_refused_surfaces_never_cost_the_mesh(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(shell_fit, "MAX_CURVATURE_ERROR", 1e-12)
+    out = tmp_path / "facade.step"
+    code = main(["solve", compas_cgc.get("facade.3dm"), "-o", str(out)])
+    printed = capsys.readouterr()
+    assert code != 0 and not out.exists() and Path(tmp_path / "facade.obj").exists()
+    assert "no smooth surfaces of the regions were written" in printed.err and "wrote the mesh to" in printed.out
