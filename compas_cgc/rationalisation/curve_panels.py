@@ -14,6 +14,8 @@ from ..meshing import face_regions
 from ..meshing import path_edges
 from ..meshing.outline import mesh_from_outline
 from .panelling import Panelling
+from .rims import mean_steps
+from .rims import within_rims
 from .spline_surface import SplineSurface
 
 __all__ = ["Lengths", "curve_panels", "parameter_rim"]
@@ -29,11 +31,12 @@ class Lengths(NamedTuple):
     lengths: tuple[FloatArray, FloatArray]  # [L]
 
     @classmethod
-    def of(cls, surface: SplineSurface) -> Lengths:
-        """Measure a surface along lines of constant parameter."""
+    def of(cls, surface: SplineSurface, rims: Sequence[FloatArray] = ()) -> Lengths:
+        """Measure a surface along lines of constant parameter, within its rims."""
         values = [np.linspace(low, high, SAMPLES + 1) for low, high in surface.domain.tolist()]
-        points = surface.at(np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, 2)).reshape(SAMPLES + 1, SAMPLES + 1, 3)
-        steps = [np.linalg.norm(np.diff(points, axis=axis), axis=2).mean(axis=1 - axis) for axis in range(2)]
+        uv = np.stack(np.meshgrid(*values, indexing="ij"), axis=-1)
+        points, inside = surface.at(uv.reshape(-1, 2)).reshape(SAMPLES + 1, SAMPLES + 1, 3), within_rims(uv, rims)
+        steps = [mean_steps(points, inside, axis) for axis in range(2)]
         first, second = (np.concatenate([[0.0], np.cumsum(step)]) for step in steps)
         return cls((values[0], values[1]), (first, second))
 
@@ -73,7 +76,7 @@ def curve_panels(surface: SplineSurface, rims: Sequence[FloatArray], seams: Sequ
     MeshError
         If curves bound no area, graze each other or the rim, or the mesher is not installed.
     """
-    plane = Lengths.of(surface)
+    plane = Lengths.of(surface, rims)
 
     def flat(line: FloatArray) -> FloatArray:
         points = plane.to_plane(line)

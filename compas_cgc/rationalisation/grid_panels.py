@@ -13,6 +13,8 @@ from ..errors import MeshError
 from ..meshing.weld import clean_faces
 from ..meshing.weld import weld
 from .panelling import Panelling
+from .rims import mean_steps
+from .rims import within_rims
 from .spline_surface import SplineSurface
 
 __all__ = ["grid_lines", "grid_panels"]
@@ -22,7 +24,7 @@ LINES = 9  # lines of constant parameter whose lengths are averaged
 ONE = 1e-7  # of an edge, within which points of two sides are one
 
 
-def grid_lines(surface: SplineSurface, axis: int, panel: float, sharp: Sequence[float] = ()) -> FloatArray:
+def grid_lines(surface: SplineSurface, axis: int, panel: float, sharp: Sequence[float] = (), rims: Sequence[FloatArray] = ()) -> FloatArray:
     """Return the values (k,) of a parameter between which the surface is one panel wide, on the average of lines across.
 
     Parameters
@@ -35,6 +37,8 @@ def grid_lines(surface: SplineSurface, axis: int, panel: float, sharp: Sequence[
         Width of a panel aimed at [L].
     sharp
         Values at which the surface bends sharply; they are lines too.
+    rims
+        ``(k, 2)`` parameters around the surface and its holes, within which it is measured.
     """
     low, high = surface.domain[axis]
     stops = np.unique(np.concatenate([[low], [value for value in sharp if low < value < high], [high]]))
@@ -47,7 +51,7 @@ def grid_lines(surface: SplineSurface, axis: int, panel: float, sharp: Sequence[
         uv = np.empty((LINES, SAMPLES + 1, 2))
         uv[..., axis], uv[..., 1 - axis] = values, others[:, None]
         points = surface.at(uv.reshape(-1, 2)).reshape(LINES, SAMPLES + 1, 3)
-        steps = np.linalg.norm(np.diff(points, axis=1), axis=2).mean(axis=0)
+        steps = mean_steps(points, within_rims(uv, rims), 1)
         length = np.concatenate([[0.0], np.cumsum(steps)])
         count = max(1, round(float(length[-1]) / panel))
         found.append(np.interp(np.linspace(0.0, length[-1], count + 1)[1:], length, values))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
@@ -10,6 +12,7 @@ from ..errors import MeshError
 from ..meshing.polyline import arc_lengths
 from .clusters import clusterings
 from .curve_panels import Lengths
+from .rims import within_rims
 from .spline_surface import SplineSurface
 
 __all__ = ["level_seams"]
@@ -19,8 +22,8 @@ SMOOTHING = 0.02  # of the size: waves of K that are shorter give no regions of 
 SMALLEST = 0.12  # of the size: level lines that are shorter are left out
 
 
-def level_seams(surface: SplineSurface, moulds: int) -> list[FloatArray]:
-    """Return the level lines (k, 2) of K half way between the values of so many clusters of it.
+def level_seams(surface: SplineSurface, moulds: int, rims: Sequence[FloatArray] = ()) -> list[FloatArray]:
+    """Return the level lines (k, 2) of K half way between the values of so many clusters of it, on a surface with rims (k, 2).
 
     Raises
     ------
@@ -31,14 +34,14 @@ def level_seams(surface: SplineSurface, moulds: int) -> list[FloatArray]:
         from contourpy import contour_generator
     except ImportError:
         raise MeshError("seams along levels of K need contourpy; install it: pip install 'compas_cgc[plot]'") from None
-    plane = Lengths.of(surface)
+    plane = Lengths.of(surface, rims)
     spans = [own[-1] for own in plane.lengths]
     axes = [np.linspace(0.0, span, GRID + 1) for span in spans]
     size = float(np.hypot(*spans))
     uv = plane.to_parameters(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2))
     K = surface.gaussian(uv).reshape(GRID + 1, GRID + 1)
     K = gaussian_filter(K, [SMOOTHING * size * GRID / span for span in spans], mode="nearest")
-    values, _ = next(clusterings([K.ravel()], np.ones(K.size), moulds, False))
+    values, _ = next(clusterings([K.ravel()], within_rims(uv, rims).astype(np.float64), moulds, False))
     values = np.sort(values)
     lines: list[FloatArray] = []
     generator = contour_generator(axes[0], axes[1], K.T)

@@ -67,11 +67,11 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
     surface, rims = design.surface, list(design.rims) or [parameter_rim(design.surface)]
     if not len(drawn) and seams != "levels":
         return _grid(design, width, edges)
-    plane = Lengths.of(surface)
+    plane = Lengths.of(surface, rims)
     area = float(np.prod([own[-1] for own in plane.lengths]))
     edge = width / edges if edges is not None and panel is not None else float(np.sqrt(area / VERTICES))
     if seams == "levels":
-        lines = level_seams(surface, LEVELS)
+        lines = level_seams(surface, LEVELS, design.rims)
     else:
         lines = [_on_surface(design, plane, line, edge) for line in drawn]
     return curve_panels(surface, rims, [_over_rim(plane, rims, line, edge) for line in lines], edge)
@@ -97,7 +97,7 @@ def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
     """Return panels between lines of constant parameter, cut at the rim where the design is trimmed."""
     surface = design.surface
     sharp = sharp_parameters(surface.at, surface.domain, [knots.tolist() for knots in surface.knots])
-    first, second = (grid_lines(surface, axis, width, [value for own, value in sharp if own == axis]) for axis in range(2))
+    first, second = (grid_lines(surface, axis, width, [value for own, value in sharp if own == axis], design.rims) for axis in range(2))
     count = (len(first) - 1) * (len(second) - 1)
     number = _edges(count) if edges is None else edges
     if not design.trimmed:
@@ -152,4 +152,4 @@ def _over_rim(plane: Lengths, rims: Sequence[FloatArray], line: FloatArray, edge
 
 
 def _default_width(design: Design) -> float:
-    return max(float(own[-1]) for own in Lengths.of(design.surface).lengths) / PANELS
+    return max(float(own[-1]) for own in Lengths.of(design.surface, design.rims).lengths) / PANELS
