@@ -31,7 +31,7 @@ CLOSE = 0.05  # deviation of K times the area, below which a surface has its K
 RELAXATIONS = 2  # at most, towards the surface of least energy
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
-STARTS = 3  # clusterings that are improved, the nearest to the design
+STARTS = 3  # clusterings that are improved
 ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
@@ -71,7 +71,7 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
     A start is given up when its model no longer promises to beat the best surface so far.
     """
     design = moves.mean_curvatures(np.zeros(len(moves.columns)))
-    starts = sorted(_starts(moves, moulds, design), key=lambda placed: placed.norm)[:STARTS]
+    starts = sorted(_starts(moves, moulds, design), key=lambda placed: placed.norm)
     racers = [_Racer(start, max(1, round(TRUST * moves.panels))) for start in starts]
     best, done, total = starts[0], 0, ROUNDS * len(racers)
     for _ in range(ROUNDS):
@@ -178,7 +178,7 @@ def evened(moves: NormalMoves, placed: Placed) -> Placed:
         grouped = Assignment(here.assigned.values[used], np.arange(len(used)), kept, np.ones(len(used), bool))
         values = here.assigned.values.copy()
         values[used] = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values
-        tried = _solved(stressing, replace(here.assigned, values=values), linear.at(values[used]))
+        tried = _placed(stressing, replace(here.assigned, values=values), linear.at(values[used]))
         if not tried.norm < here.norm:
             break
         here = tried
@@ -194,7 +194,7 @@ def catalogue(radii: Sequence[float]) -> FloatArray:
 
 
 def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Placed]:
-    """Return the surfaces of several clusterings."""
+    """Return the surfaces of those of several clusterings that the linear model predicts nearest to the design."""
     areas = moves.panel_areas()
     nothing = np.zeros(len(moves.columns))
     sensitivities = moves.sensitivities(nothing, design)
@@ -213,8 +213,10 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
             if moulds.locked is not None:
                 own = np.where(locked, moulds.locked, own)
             assigned = Assignment(values, own, kept, locked)
-            found.append(_solved(moves, assigned, constant + sensitivities.forward(assigned.K)))
-    return found
+            predicted = constant + sensitivities.forward(assigned.K)
+            found.append(Placed(assigned, predicted, _norm(moves, predicted)))
+    promising = sorted(found, key=lambda placed: placed.norm)[:STARTS]
+    return [_solved(moves, placed.assigned, placed.moves) for placed in promising]
 
 
 def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
