@@ -182,8 +182,9 @@ class _Seeker:
     def _ended(self, here: _Here, status: str, message: str) -> Solution:
         targets = self._posed(here.logs).targets
         judged = here.solution.verdict if status == "converged" else None
-        taken = {"iterations": self.steps, "seconds": self.seconds}
-        return here.solution._replace(status=status, message=message, targets=targets, verdict=judged, **taken)
+        return here.solution._replace(
+            status=status, message=message, iterations=self.steps, seconds=self.seconds, targets=targets, verdict=judged
+        )
 
     def _names(self) -> str:
         return " and ".join(own.name for own in self.equations)
