@@ -7,6 +7,8 @@ import pytest
 
 import compas_cgc
 from compas_cgc import CGCError
+from compas_cgc import CGCProblem
+from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import draw_sheets
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import unroll
@@ -29,6 +31,27 @@ def on_their_sheets(patterns):
         for j in range(k):
             if patterns.pieces[j].sheet == patterns.pieces[k].sheet:
                 assert one.intersection(shapes[j]).area < 1e-5
+
+
+def crescent(area):
+    """Return a developable crescent: a parabolic barrel over a plan between two arcs."""
+    along, across = 60, 10
+    angle, part = (x.ravel() for x in np.meshgrid(np.linspace(-1.0, 1.0, along + 1), np.linspace(-0.5, 0.5, across + 1), indexing="ij"))
+    radius = 16.0 + 8.9 * part * np.cos(np.pi * angle / 2.16)
+    plan = np.column_stack([radius * np.cos(angle) - 16.0, radius * np.sin(angle)])
+    a = (np.arange(along)[:, None] * (across + 1) + np.arange(across)).ravel()
+    faces = np.column_stack([a, a + across + 1, a + across + 2, a, a + across + 2, a + 1]).reshape(-1, 3)
+    vertices = np.column_stack([plan, 3.0 - 0.02 * plan[:, 1] ** 2])
+    vertices *= (area / face_areas(vertices, faces).sum()) ** 0.5
+    return compas_cgc.solve(CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.0)).problem
+
+
+def test_a_crescent_and_the_vault_fill_their_sheets(vault):
+    pytest.importorskip("shapely")
+    for surface, sheets in ((crescent(202.0), 52), (vault, 15)):
+        patterns = unroll(surface, (3.0, 1.5), spacing=0.0, rulings=0)
+        assert patterns.sheets <= sheets and min(seam.length for seam in patterns.seams) >= 0.1
+        on_their_sheets(patterns)
 
 
 def test_every_sheet_is_the_smallest_that_holds_its_pieces(vault):
