@@ -148,6 +148,15 @@ def mould(pen):
     pen.line([(x, y - 6.5) for x, y in outline[4:-4]], TEAL, 2.6)
 
 
+def rationalise(pen):
+    """A dome divided into panels of two moulds."""
+    dome(pen)
+    pen.area([(9, 20), (9, 8.5), (15, 8.5), (15, 20)], TEAL)
+    for x, y in ((9, 8), (15, 8)):
+        pen.line([(x, y), (x, 20)])
+    pen.line([(4, 14.5), (20, 14.5)])
+
+
 def sheet(pen):
     """Draw a sheet of paper."""
     outline = [(8, 2.5), (17, 2.5), (21.5, 7), (21.5, 21.5), (8, 21.5)]
@@ -259,6 +268,7 @@ ICONS = {
     "CGC_Mesh": mesh,
     "CGC_Mould": mould,
     "CGC_Net": net,
+    "CGC_Rationalise": rationalise,
     "CGC_Read3dm": read_3dm,
     "CGC_Regions": regions,
     "CGC_Settings": settings,

@@ -23,7 +23,23 @@ __all__ = ["LISTS", "check_wires", "single"]
 
 # Inputs that take lists; the others take a single value.
 LISTS = frozenset(
-    ("K", "clear", "clearance", "creases", "curves", "goals", "law", "others", "point", "points", "region", "supports", "surfaces")
+    (
+        "K",
+        "clear",
+        "clearance",
+        "creases",
+        "curves",
+        "goals",
+        "law",
+        "moulds",
+        "others",
+        "point",
+        "points",
+        "region",
+        "seams",
+        "supports",
+        "surfaces",
+    )
     + ("through", "unknown")
 )
 
@@ -90,8 +106,8 @@ _TEXT = Wire(_is_text, "a text, from a panel or a value list")
 _NUMBER = Wire(_is_number, "a number")
 
 _AMOUNTS = (
-    *("allowance", "area", "aside", "below", "clearance", "crease_stiffness", "edge_length", "filter_radius", "height", "length"),
-    *("margin", "nearness", "pressure", "rise", "s", "size", "smoothness", "spacing", "strain", "thickness", "tolerance"),
+    *("allowance", "area", "aside", "below", "clearance", "crease_stiffness", "edge_length", "filter_radius", "height", "length", "limit"),
+    *("margin", "nearness", "panel", "pressure", "rise", "s", "size", "smoothness", "spacing", "strain", "thickness", "tolerance"),
     *("volume", "weight", "width"),
 )
 
@@ -112,6 +128,9 @@ WIRES = {
     "supports": Wire(_is_point, "points"),
     "creases": Wire(_is_curve, "curves"),
     "surfaces": Wire(_is_surface, "surfaces, Breps or SubDs, or closed curves; a mesh goes to the input mesh"),
+    "design": Wire(lambda value: _is_mesh(value) or isinstance(value, (*MESHES, str)), "a mesh, a CGC mesh, or the path of a file"),
+    "moulds": Wire(_is_number, "a number of moulds, or radii in model units"),
+    "seams": Wire(_is_curve, "curves"),
     "curve": Wire(_is_curve, "a curve"),
     "plane": Wire(_is_plane, "a plane"),
     "mirror": Wire(_is_plane, "a plane"),

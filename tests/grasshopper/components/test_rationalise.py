@@ -1,0 +1,51 @@
+"""Rationalise: from a mesh on the canvas to panels on few moulds, in the background."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc.rationalisation import rationalise
+
+from ...support.gh_stand_ins import Point3d
+from ...support.gh_stand_ins import place
+from ...support.gh_stand_ins import rhino  # noqa: F401
+from ...support.gh_stand_ins import rhino_mesh
+
+pytestmark = pytest.mark.usefixtures("rhino")
+
+
+def design():
+    x, y = np.meshgrid(np.linspace(-6, 6, 25), np.linspace(-4, 4, 17), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), (2 - 0.03 * x**2 - 0.05 * y**2).ravel()])
+    return vertices, [[i * 17 + j, i * 17 + 17 + j, i * 17 + 18 + j, i * 17 + 1 + j] for i in range(24) for j in range(16)]
+
+
+def test_a_mesh_becomes_panels_on_two_moulds():
+    placed, own = place("Rationalise"), rhino_mesh(*design())
+    assert placed.run(design=own, panel=2.0, moulds=[2.0])["mesh"] is None and placed.component.Message == "set run to true"
+    out = placed.settle(design=own, panel=2.0, moulds=[2.0], run=True)
+    expected = rationalise(design(), panel=2.0, moulds=2)
+    assert not placed.said("Error") and placed.component.Message == "24 panels, 2 moulds"
+    assert np.array_equal(np.array(out["mesh"].Vertices), expected.result.vertices), "as in Python"
+    assert out["classes"] == expected.classes.tolist() and out["curvatures"] == expected.curvatures.tolist()
+    assert len(out["panels"]) == 24 and sum(len(panel.Faces) for panel in out["panels"]) == len(out["mesh"].Faces)
+    assert max(map(abs, out["distance"])) == pytest.approx(expected.distance.largest) and out["kinks"] == expected.folds.angles.tolist()
+    assert len(out["seam_lines"]) == len(expected.panelling.seams) and out["report"] == expected.summary
+    moulds = place("Mould").settle(cgc_mesh=out["cgc_mesh"])
+    assert len(moulds["panels"]) == 24 and len(moulds["moulds"]) == 2
+
+
+@pytest.mark.parametrize(
+    "inputs, sentence",
+    [
+        ({"moulds": [2.5]}, "moulds must be a whole number, or the radii of two or more moulds, not 2.5"),
+        ({"panel": -1.0}, "panel must be a length above zero"),
+        ({"design": Point3d(0.0, 0.0, 0.0)}, "the input design received a Point3d; connect a mesh"),
+        ({"design": "nowhere.3dm"}, "nowhere.3dm"),
+    ],
+)
+def test_wrong_inputs_are_named(inputs, sentence):
+    placed = place("Rationalise")
+    out = placed.settle(**{"design": rhino_mesh(*design()), "run": True, **inputs})
+    assert out["mesh"] is None and sentence in placed.said("Error")[0]
