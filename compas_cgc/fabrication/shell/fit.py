@@ -68,7 +68,7 @@ MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the siz
 MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
 MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from supports
 AWAY = 2.0  # distance from supports, in mesh edges, beyond which the error of K counts
-DAMPING = 1e-8  # relative to the mean of the diagonal
+DAMPING = 1e-6  # relative to the mean of the diagonal
 SAMPLES_PER_EDGE = 4  # points of a shared edge per mesh edge
 FACE_POINTS = (np.array([[2, 0, 0], [1, 1, 0], [1, 0, 1], [0, 2, 0], [0, 1, 1], [0, 0, 2]]) + 1 / 3) / 3.0  # barycentric
 

@@ -1,0 +1,134 @@
+"""Four-sided spline patches of regions, whose sides coincide with those of their neighbours."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.interpolate import make_interp_spline
+from scipy.spatial import cKDTree
+
+from ...discrete.arrays import FloatArray
+from ...model.problem import CGCProblem
+from .fit import AWAY
+from .fit import CURVATURE_FLOOR
+from .fit import Fit
+from .heights import DEGREE
+from .heights import SECOND_ORDERS
+from .heights import HeightSpace
+
+__all__ = ["Patch", "curvature_errors", "patches", "side_points"]
+
+POINTS_PER_EDGE = 4  # points along a side per mesh edge of the longest side
+SAMPLES = 40  # points in each direction at which K is measured
+
+
+class Patch(NamedTuple):
+    """A tensor-product spline surface of the degree of the heights."""
+
+    control: FloatArray  # (a, b, 3) [L]
+    knots_u: FloatArray  # (a + DEGREE + 1,)
+    knots_v: FloatArray
+    sides: bool  # whether the sides of the patch are those of the region; otherwise the patch extends beyond it
+
+
+def curvature_errors(problem: CGCProblem, fit: Fit, made: list[Patch]) -> FloatArray:
+    """Return the error of K of patches on a grid, away from supports, relative to the targets (k,)."""
+    supports = problem.vertices[problem.supports]
+    edge = np.linalg.norm(problem.vertices[problem.faces[:, 0]] - problem.vertices[problem.faces[:, 1]], axis=1).mean()
+    found = [np.empty(0)]
+    for patch, target in zip(made, problem.region_targets()):
+        if target is None or not patch.sides:
+            continue
+        places = np.linspace(patch.knots_u[0], patch.knots_u[-1], 2 + SAMPLES)[1:-1]
+        point, u, v, uu, uv, vv = (_derivative(patch, places, order) for order in ((0, 0), *SECOND_ORDERS))
+        normal = np.cross(u, v)
+        e, f, g = ((second * normal).sum(axis=-1) for second in (uu, uv, vv))
+        K = (e * g - f * f) / np.maximum((normal**2).sum(axis=-1), 1e-300) ** 2
+        error = np.abs(K - target) / max(abs(target), CURVATURE_FLOOR / fit.scale**2)
+        away = cKDTree(supports).query(point)[0] > AWAY * edge if len(supports) else np.ones(error.shape, bool)
+        found.append(error[away])
+    return np.concatenate(found)
+
+
+def _derivative(patch: Patch, places: FloatArray, order: tuple[int, int]) -> FloatArray:
+    """Return points, or derivatives of an order, on a grid of parameters (k, k, 3)."""
+    along = BSpline(patch.knots_u, patch.control, DEGREE)(places, nu=order[0])
+    across: FloatArray = BSpline(patch.knots_v, np.swapaxes(along, 0, 1), DEGREE)(places, nu=order[1])
+    return np.swapaxes(across, 0, 1)
+
+
+def side_points(fit: Fit) -> list[FloatArray]:
+    """Return points (n, 3) on every edge of the regions, at the same parameters for all, with common ends [L]."""
+    ends: dict[int, list[FloatArray]] = {}
+    for edge, curve in zip(fit.edges, fit.curves):
+        for vertex, point in zip(edge.path[[0, -1]].tolist(), curve[[0, -1]]):
+            ends.setdefault(vertex, []).append(point)
+    places = _greville(_knots(fit))
+    sides = []
+    for edge, curve in zip(fit.edges, fit.curves):
+        points = make_interp_spline(np.linspace(0.0, 1.0, len(curve)), curve, k=3)(places)
+        points[0], points[-1] = (np.mean(ends[vertex], axis=0) for vertex in edge.path[[0, -1]].tolist())
+        sides.append(points)
+    return sides
+
+
+def patches(fit: Fit) -> list[Patch]:
+    """Return one patch per region: between the four edges of a region, or over a rectangle for regions of other shapes."""
+    sides = side_points(fit)
+    return [_between(fit, number, sides) or _over(fit, number) for number in range(len(fit.pieces))]
+
+
+def _knots(fit: Fit) -> FloatArray:
+    """Return uniform knots from 0 to 1, the same for all patches."""
+    spans = POINTS_PER_EDGE * max(len(edge.path) - 1 for edge in fit.edges)
+    return HeightSpace.over(np.zeros(2), np.ones(2), 1.0 / spans).knots[0]
+
+
+def _greville(knots: FloatArray) -> FloatArray:
+    """Return the Greville abscissae of the basis functions."""
+    return np.convolve(knots[1:-1], np.full(DEGREE, 1.0 / DEGREE), "valid").clip(0.0, 1.0)
+
+
+def _between(fit: Fit, number: int, sides: list[FloatArray]) -> Optional[Patch]:
+    """Return the patch between the four edges of a region, None if it has other edges or crosses itself in the plane."""
+    own = [k for k, edge in enumerate(fit.edges) if number in edge.regions]
+    corners = {vertex for k in own for vertex in fit.edges[k].path[[0, -1]].tolist()}
+    if len(own) != 4 or len(corners) != 4:
+        return None
+    loop, here = [], int(fit.edges[own[0]].path[0])
+    for _ in range(4):
+        k = next((k for k in own if here in fit.edges[k].path[[0, -1]]), None)
+        if k is None:
+            return None
+        own.remove(k)
+        forward = here == fit.edges[k].path[0]
+        loop.append(sides[k] if forward else sides[k][::-1])
+        here = int(fit.edges[k].path[-1 if forward else 0])
+    south, east, north, west = loop[0], loop[1], loop[2][::-1], loop[3][::-1]
+    piece, knots = fit.pieces[number], _knots(fit)
+    s, e, n, w = (piece.local(side)[:, :2] for side in (south, east, north, west))
+    t = _greville(knots)
+    u, v = t[:, None, None], t[None, :, None]
+    plan = (1 - v) * s[:, None] + v * n[:, None] + (1 - u) * w[None] + u * e[None]
+    plan = plan - ((1 - u) * (1 - v) * s[0] + u * (1 - v) * s[-1] + (1 - u) * v * n[0] + u * v * n[-1])
+    du, dv = np.diff(plan, axis=0)[:, :-1], np.diff(plan, axis=1)[:-1]
+    turn = du[..., 0] * dv[..., 1] - du[..., 1] * dv[..., 0]
+    if not ((turn > 0.0).all() or (turn < 0.0).all()):
+        return None
+    points = piece.lifted(plan.reshape(-1, 2)).reshape(len(t), len(t), 3)
+    points[:, 0], points[:, -1], points[0], points[-1] = south, north, west, east
+    control = make_interp_spline(t, points, k=DEGREE, t=knots, axis=0).c
+    control = make_interp_spline(t, np.swapaxes(control, 0, 1), k=DEGREE, t=knots, axis=0).c.swapaxes(0, 1)
+    return Patch(fit.centre + fit.scale * control, knots, knots, True)
+
+
+def _over(fit: Fit, number: int) -> Patch:
+    """Return the surface of a region over its rectangle."""
+    piece = fit.pieces[number]
+    a, b = piece.space.shape
+    u, v = (np.convolve(own[1:-1], np.full(DEGREE, 1.0 / DEGREE), "valid") for own in piece.space.knots)
+    grid = np.stack([*np.meshgrid(u, v, indexing="ij"), piece.coefficients.reshape(a, b)], axis=-1).reshape(-1, 3)
+    return Patch(fit.centre + fit.scale * (grid @ piece.axes).reshape(a, b, 3), *piece.space.knots, False)
