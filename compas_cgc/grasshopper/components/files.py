@@ -17,6 +17,7 @@ from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.paths import file_path
 from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["Read3dmOutputs", "Write3dmOutputs", "read_3dm", "write_3dm"]
@@ -43,7 +44,7 @@ def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read
         add_warning(component, "connect the path of a file")
         return Read3dmOutputs(None, None, None)
     crease = "split" if split else "trace"
-    mesh, notes = _read_text(path) if "\n" in path.strip() else read_mesh(path.strip(), crease=crease)
+    mesh, notes = _read_text(path) if "\n" in path.strip() else read_mesh(file_path(component, path), crease=crease)
     for note in notes:
         add_remark(component, note)
     set_message(component, f"{mesh.number_of_vertices()} vertices, {len(mesh.regions())} regions")
@@ -70,6 +71,7 @@ def write_3dm(component: Any, path: Optional[str], cgc_mesh: Any, write: Optiona
     if not write:
         set_message(component, "set write to true")
         return Write3dmOutputs(None)
-    write_file(path.strip(), cgc_mesh)
+    written = file_path(component, path)
+    write_file(written, cgc_mesh)
     set_message(component, "written")
-    return Write3dmOutputs(path.strip())
+    return Write3dmOutputs(written)

@@ -17,6 +17,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import polyline_to_rhino
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
+from ..runtime.paths import file_path
 from ..runtime.progress import Report
 from ..runtime.runner import Finished
 from ..runtime.runner import Last
@@ -50,7 +51,7 @@ def membrane(
         add_warning(component, "connect a solved CGC mesh")
         _RUNNER.reset(component)
         return MembraneOutputs()
-    file = path.strip() if path and write else None
+    file = file_path(component, path) if path and write else None
 
     def work(report: Report, last: Last) -> Finished:
         return _forces(cgc_mesh, pressure, weight, file)

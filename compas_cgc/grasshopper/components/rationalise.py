@@ -27,6 +27,7 @@ from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import reports_errors
 from ..runtime.geometry import document_units
 from ..runtime.headless import is_headless
+from ..runtime.paths import file_path
 from ..runtime.progress import Progress
 from ..runtime.progress import Report
 from ..runtime.runner import Finished
@@ -75,7 +76,7 @@ def rationalise(
     numbers = [float(value) for value in as_list(moulds)]
     lines = [curve_to_points(curve, tolerance) for curve in as_list(seams)]
     points = points_to_array(as_list(supports))
-    given = design.strip() if isinstance(design, str) else design
+    given = file_path(component, design) if isinstance(design, str) else design
 
     def work(report: Report, last: Last) -> Finished:
         def watch(state: Round) -> bool:

@@ -14,6 +14,7 @@ from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.paths import file_path
 from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["StudyOutputs", "study"]
@@ -36,7 +37,7 @@ def study(component: Any, path: Optional[str], number: Optional[int], column: Op
     if not path:
         add_warning(component, "connect the output folder of compas-cgc study")
         return StudyOutputs(*[None] * len(StudyOutputs._fields))
-    results = Results(path.strip())
+    results = Results(file_path(component, path))
     total = len(results.study.variants)
     if len(results) < total:
         add_remark(component, f"{len(results)} of {total} variants are solved so far")

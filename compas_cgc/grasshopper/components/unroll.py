@@ -19,6 +19,7 @@ from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
+from ..runtime.paths import file_path
 from ..runtime.progress import Report
 from ..runtime.runner import Finished
 from ..runtime.runner import Last
@@ -67,7 +68,7 @@ def unroll(
         _RUNNER.reset(component)
         return UnrollOutputs()
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)
-    file = path.strip() if path and write else None
+    file = file_path(component, path) if path and write else None
 
     def work(report: Report, last: Last) -> Finished:
         patterns = unroll_surface(
