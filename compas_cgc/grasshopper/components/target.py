@@ -14,6 +14,7 @@ from ...io.rhino.rhinocommon import points_to_array
 from ...meshing.point_location import face_at
 from ...model.problem import CGCProblem
 from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.component_feedback import with_nulls
@@ -29,12 +30,16 @@ class TargetOutputs(NamedTuple):
 
 
 @reports_errors(TargetOutputs)
-def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any, law: Any = None) -> TargetOutputs:
+def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any, law: Any = None, radius: Any = None) -> TargetOutputs:
     """Set target curvatures or laws of all regions, of regions by number, or of the regions at points."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return TargetOutputs(None)
     values, laws = with_nulls(K), with_nulls(law)
+    if as_list(radius):
+        if as_list(K):
+            raise CGCError("connect either K or radius, not both")
+        values = [None if R is None else _curvature(float(R)) for R in with_nulls(radius)]
     numbers, texts = ([value for value in given if value is not None] for given in (values, laws))
     if not numbers and not texts:
         raise CGCError("connect at least one curvature K, in 1 / (model unit)², or one law such as H = 0.1")
@@ -57,6 +62,13 @@ def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any, law: 
     set_message(component, f"{len({**targets, **others})} of {count} regions")
     problem = problem.with_targets({number: float(value) for number, value in targets.items()})
     return TargetOutputs(WireMesh(problem.with_laws(others)))
+
+
+def _curvature(radius: float) -> float:
+    """Return K of a sphere, or of a saddle with a negative radius [1/L^2]; an infinite radius is flat."""
+    if not abs(radius) > 0.0:
+        raise CGCError(f"radius must be a number other than 0, in model units, not {radius:g}")
+    return math.copysign(1.0 / radius**2, radius)
 
 
 def _by_region(component: Any, chosen: Sequence[Optional[int]], values: Sequence[Any], shown: Callable[[Any], str]) -> dict[int, Any]:

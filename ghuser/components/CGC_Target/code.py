@@ -20,6 +20,7 @@ class Target(Grasshopper.Kernel.GH_ScriptInstance):
         region: System.Collections.Generic.List[int],
         point: System.Collections.Generic.List[Rhino.Geometry.Point3d],
         law: System.Collections.Generic.List[str],
+        radius: System.Collections.Generic.List[float],
     ):
-        out = target(ghenv.Component, cgc_mesh, K, region, point, law)  # noqa: F821
+        out = target(ghenv.Component, cgc_mesh, K, region, point, law, radius)  # noqa: F821
         return out.cgc_mesh

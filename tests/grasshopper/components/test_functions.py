@@ -190,6 +190,15 @@ def test_targets_everywhere_by_number_and_by_point():
     assert [str(laws.region_law(r)) for r in range(4)] == ["K = 0.01", "H = 0", "H = 0.1", "None"]
 
 
+def test_radii_stand_for_curvatures():
+    mesh, placed = nine_regions(), place("Target")
+    radii = [10.0, -10.0, None, float("inf"), 5.0, 5.0, 5.0, 5.0, 5.0]
+    out = placed.run(cgc_mesh=mesh, radius=radii)["cgc_mesh"]
+    assert [out.region_target(r) for r in range(5)] == pytest.approx([0.01, -0.01, None, 0.0, 0.04])
+    for inputs, sentence in (({"radius": [0.0]}, "other than 0"), ({"radius": [1.0], "K": [1.0]}, "either K or radius")):
+        assert placed.run(cgc_mesh=mesh, **inputs)["cgc_mesh"] is None and sentence in placed.said("Error")[0]
+
+
 # ----------------------------------------------------------------------
 # The others
 # ----------------------------------------------------------------------
