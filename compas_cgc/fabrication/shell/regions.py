@@ -54,4 +54,4 @@ def region_surfaces(problem: CGCProblem) -> Fit:
         f"K differs from its target by {100 * error:.3g} % (95th percentile away from supports)": error > MAX_CURVATURE_ERROR,
     }
     missed = " and ".join(reason for reason, missing in reasons.items() if missing)
-    raise MeshError(f"no smooth surfaces of the regions were written, because {missed}; refine the mesh, or write .3dm")
+    raise MeshError(f"no smooth surfaces of the regions were written, because {missed}; refine the mesh")
