@@ -36,7 +36,7 @@ class BakeOutputs(NamedTuple):
 
 @reports_errors(BakeOutputs)
 def bake(component: Any, cgc_mesh: Any, layer: Optional[str], bake: Optional[bool]) -> BakeOutputs:
-    """Bake a mesh, its regions, creases and supports; replaces earlier objects of this component."""
+    """Bake a mesh, its regions, creases and supports; replaces the objects that this branch baked earlier."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return BakeOutputs()
@@ -46,7 +46,9 @@ def bake(component: Any, cgc_mesh: Any, layer: Optional[str], bake: Optional[boo
     problem = cgc_mesh.to_problem().without_dummies()
     found = measure(cgc_mesh)
     root = layer.strip() if layer and layer.strip() else LAYER
-    with baking(str(component.InstanceGuid)) as bakery:
+    # Each branch replaces its own earlier objects only.
+    run = int(getattr(component, "RunCount", 1))
+    with baking(str(component.InstanceGuid) if run <= 1 else f"{component.InstanceGuid} {run}") as bakery:
         bakery.clear()
         _bake_surface(bakery, root, problem, found)
         _bake_regions(bakery, root, problem, found)

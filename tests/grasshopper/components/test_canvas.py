@@ -318,6 +318,16 @@ def test_a_surface_is_baked_on_layers_with_names_and_user_text_and_replaced():
     assert document.undo == ["Bake CGC"] * 3 and document.open == 0
 
 
+def test_every_branch_keeps_what_the_others_bake():
+    placed, meshes = place("Bake"), [dome(0.01), dome(0.02), dome(0.03)]
+    for _ in range(2):
+        ids = []
+        for placed.component.RunCount, mesh in enumerate(meshes, 1):
+            ids += placed.run(cgc_mesh=mesh, bake=True)["baked"]
+        objects = sys.modules["Rhino"].RhinoDoc.ActiveDoc.Objects
+        assert len(set(ids)) == len(ids) and set(ids) == {str(own) for own in objects}
+
+
 def test_what_cannot_be_baked_is_said():
     placed = place("Bake")
     placed.run(cgc_mesh=dome(), layer="::", bake=True)
