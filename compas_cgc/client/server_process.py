@@ -54,7 +54,7 @@ def ensure_server(
     version
         Required version of the server. Default: any version with the same interface.
     log
-        Log file of a new server. Default: a file in the folder for temporary files.
+        Log file of a new server. Default: a new file in the folder for temporary files.
     patience
         Longest time to wait for a new server [s].
     say
@@ -126,10 +126,16 @@ def start_server(
         If the server cannot be started.
     """
     port = _local_port(url)
-    path = Path(tempfile.gettempdir()) / f"compas_cgc-{port}.log" if log is None else Path(log)
+    path = None if log is None else Path(log)
     try:
-        file = open(path, "ab")
+        if path is None:
+            # A predictable name could be a link that another user of the machine has put there.
+            descriptor, name = tempfile.mkstemp(prefix=f"compas_cgc-{port}-", suffix=".log")
+            file, path = open(descriptor, "ab"), Path(name)
+        else:
+            file = open(path, "ab")
     except OSError as error:
+        path = path or Path(tempfile.gettempdir())
         raise ServerUnavailable(f"the log {path} cannot be written ({error.strerror}); choose another as log=...") from None
     command = [str(python or own_python() or "python"), "-m", "compas_cgc", "serve", "--port", port]
     environment = {**os.environ, **({"COMPAS_CGC_KEY": key} if key else {})}

@@ -19,7 +19,10 @@ package, which Proxy does not notice (check with ``version()``); ``autoreload`` 
 from __future__ import annotations
 
 import argparse
+import base64
+import binascii
 import functools
+import hmac
 import inspect
 import json
 import logging
@@ -28,8 +31,10 @@ import signal
 import sys
 from collections.abc import Sequence
 from socketserver import ThreadingMixIn
+from typing import Any
 from typing import Callable
 from typing import Optional
+from xmlrpc.client import Fault
 from xmlrpc.server import SimpleXMLRPCRequestHandler
 
 from compas.rpc import Server
@@ -50,6 +55,7 @@ from ..server.limits import Limits
 __all__ = ["Service", "main", "start_service"]
 
 PORT = 7332
+LIMITS = Limits(days=1.0)  # jobs are in memory and expire after a day
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 
 log = logging.getLogger(__name__)
@@ -88,6 +94,10 @@ class Service:
         """
         request = {**options, **({} if mesh is None else {"mesh": mesh})}
         job, _ = self._jobs.submit("json", accept(request, self._jobs.limits))
+        for id in list(self._given):
+            # Expired jobs.
+            if self._jobs.store.get(id) is None:
+                self._given.pop(id, None)
         self._given[job.id] = None if mesh is None else mesh["dtype"]
         return job.id
 
@@ -157,6 +167,7 @@ class Handler(SimpleXMLRPCRequestHandler):
     """Request handler that rejects requests from web pages and too large requests."""
 
     rpc_paths = ("/", "/RPC2")
+    timeout = 30.0  # time without data after which a connection is closed [s]
 
     def do_POST(self) -> None:  # noqa: N802
         """Answer a call."""
@@ -164,10 +175,26 @@ class Handler(SimpleXMLRPCRequestHandler):
         length = self.headers.get("Content-Length", "")
         if host not in LOOPBACK or self.headers.get("Origin") is not None:
             self.send_error(403)
-        elif not length.isdecimal() or int(length) > Limits().body:
+        elif not length.isdecimal() or int(length) > LIMITS.body:
             self.send_error(413)
         else:
             super().do_POST()
+
+    def _dispatch(self, method: str, arguments: tuple) -> object:
+        """Answer a call; only the operator may stop the service."""
+        if method == "remote_shutdown" and not self._is_operator():
+            raise Fault(1, "remote_shutdown requires the key of the service (COMPAS_CGC_KEY): Proxy(url='http://operator:KEY@127.0.0.1')")
+        server: Any = self.server
+        return server._dispatch(method, arguments)
+
+    def _is_operator(self) -> bool:
+        """Check whether the password of the address is the key of the service; a service without a key has no operator."""
+        scheme, _, coded = self.headers.get("Authorization", "").partition(" ")
+        try:
+            given = base64.b64decode(coded, validate=True).partition(b":")[2]
+        except binascii.Error:
+            return False
+        return any(hmac.compare_digest(given, key.encode()) for key in os.environ.get("COMPAS_CGC_KEY", "").split()) and scheme == "Basic"
 
 
 class RPCServer(ThreadingMixIn, Server):
@@ -181,7 +208,7 @@ class RPCServer(ThreadingMixIn, Server):
 
 def start_service(port: int = PORT, workers: Optional[int] = None) -> None:
     """Run the service on this machine until it is interrupted."""
-    limits = Limits()
+    limits = LIMITS
     # Bind the address first, so that a second service ends immediately.
     server = RPCServer(("127.0.0.1", port))
     pool = WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)

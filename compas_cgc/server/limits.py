@@ -57,6 +57,10 @@ class Limits:
         Largest number of connections of one address; beyond it, the connections that have sent the least are closed.
     head_seconds
         Longest time in which the headers of a request must arrive [s].
+    stall
+        Time without progress of a request or response after which its connection is closed [s].
+    slowest
+        Slowest transfer of a request body [bytes/s]; slower ones are dropped after the time `stall`.
     conversions
         Largest number of files that are read or written simultaneously; each holds a thread.
     memory
@@ -101,6 +105,8 @@ class Limits:
     reserved: int = 2
     connections: int = 128
     head_seconds: float = 10.0
+    stall: float = 30.0
+    slowest: int = 2000
     conversions: int = 32
     memory: int = 8 * 2**30
     file_seconds: float = 30.0

@@ -140,6 +140,7 @@ def serve(
         recv_bytes=2**16,
         # Closes connections with incomplete requests.
         channel_timeout=30,
+        socket_options=_drop_vanished(limits.stall),
         ident=None,
         url_prefix=prefix,
         clear_untrusted_proxy_headers=True,
@@ -161,6 +162,15 @@ def serve(
         server.close()
         jobs.close()
         print("stopped", flush=True)
+
+
+def _drop_vanished(seconds: float) -> list[tuple[int, int, int]]:
+    """Return the options of sockets that end connections to machines that no longer respond, where the system has them."""
+    options = [(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1), (socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)]
+    for name, value in (("TCP_KEEPIDLE", seconds), ("TCP_KEEPINTVL", seconds / 3), ("TCP_USER_TIMEOUT", 1000 * seconds)):
+        if hasattr(socket, name):
+            options.append((socket.IPPROTO_TCP, getattr(socket, name), max(1, round(value))))
+    return options
 
 
 def _say_ready(pool: TaskExecutor) -> None:

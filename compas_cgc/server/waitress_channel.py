@@ -4,6 +4,9 @@ The headers of a request must arrive within a few seconds, and the number of con
 with the least progress is closed for a new one. A body that is too large or comes without the key is read and dropped, because
 waitress would close the connection while the client is still sending, and the client would not receive the error. A client
 that sends `Expect: 100-continue` receives the error at once. Errors in the HTTP syntax are also reported as JSON.
+
+Connections without progress are closed: a body that arrives too slowly, and a client that does not read its response. A request that
+waited for a thread for too long is rejected instead of served.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from waitress.buffers import OverflowableBuffer
 from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser
 from waitress.task import ErrorTask
+from waitress.utilities import Error
 
 from .errors import error_body
 from .keys import Keys
@@ -44,6 +48,13 @@ class _Counted(OverflowableBuffer):
             super().append(s)
 
 
+class _Overloaded(Error):
+    """A request waited too long for a thread."""
+
+    code = 503
+    reason = "Service Unavailable"
+
+
 class _JSONErrorTask(ErrorTask):
     """Responds with JSON to requests that never reach the application."""
 
@@ -52,7 +63,8 @@ class _JSONErrorTask(ErrorTask):
         request: Any = self.request
         headers: Any = self.response_headers
         error = request.error
-        body = json.dumps(error_body(f"the request is not valid HTTP: {error.reason.lower()}, {error.body}")).encode()
+        text = error.body if isinstance(error, _Overloaded) else f"the request is not valid HTTP: {error.reason.lower()}, {error.body}"
+        body = json.dumps(error_body(text)).encode()
         self.status = f"{error.code} {error.reason}"
         headers.extend([("Content-Type", "application/json"), ("X-Content-Type-Options", "nosniff")])
         self.set_close_on_finish()
@@ -96,6 +108,11 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Opt
         def __init__(self, server: Any, sock: socket, addr: Any, adj: Any, map: Optional[dict] = None):
             # Start time of a request with incomplete headers; a new connection counts as one.
             self.head_since: Optional[float] = time.monotonic()
+            # Start time of an incomplete body.
+            self.body_since: Optional[float] = None
+            # Last time at which a part of the pending response was sent, and since when it is so.
+            self.unsent: tuple[Optional[float], float] = None, 0.0
+            self.queued_at = 0.0
             super().__init__(server, sock, addr, adj, map=map)
             if trusted_proxy not in ("*", addr[0]):
                 _make_room(self, list(server.active_channels.values()), limits.connections)
@@ -103,14 +120,38 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Opt
         def received(self, data: bytes) -> bool:
             found = super().received(data)
             reads_head = self.request is not None and not self.request.headers_finished
-            self.head_since = (self.head_since or time.monotonic()) if reads_head else None
+            now = time.monotonic()
+            reads_body = self.request is not None and self.request.headers_finished
+            self.head_since = (self.head_since or now) if reads_head else None
+            self.body_since = (self.body_since or now) if reads_body else None
             return found
 
         def readable(self) -> bool:
             # Called in every loop, with or without new data.
-            if self.head_since is not None and time.monotonic() - self.head_since > limits.head_seconds:
+            now = time.monotonic()
+            if self.head_since is not None and now - self.head_since > limits.head_seconds:
                 self.will_close = True
+            if self.body_since is not None and now - self.body_since > limits.stall + self._received() / limits.slowest:
+                self.will_close = True
+            sent = self.last_activity if self.total_outbufs_len else None
+            if sent != self.unsent[0]:
+                self.unsent = sent, now
+            elif sent is not None and now - self.unsent[1] > limits.stall:
+                # Not by will_close, which waits until the client reads.
+                self.handle_close()
+                return False
             return super().readable()
+
+        def _received(self) -> int:
+            """Return the bytes of the incomplete body."""
+            body = None if self.request is None else self.request.body_rcv
+            return 0 if body is None else len(body.buf)
+
+        def service(self) -> None:
+            if time.monotonic() - self.queued_at > limits.blocking:
+                waiting: Any = self.requests[0]
+                waiting.error = _Overloaded(f"the server was busy for {limits.blocking:g} s; try again later")
+            super().service()
 
     return Channel
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from typing import Any
 
 from waitress.task import ThreadedTaskDispatcher
@@ -28,6 +29,7 @@ class Threads(ThreadedTaskDispatcher):
 
     def add_task(self, task: Any) -> None:
         """Serve a request in a thread, or queue it."""
+        task.queued_at = time.monotonic()
         with self.lock:
             self.queue.append(task)
             if self.active_count == self._most:

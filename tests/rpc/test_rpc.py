@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import http.client
 import os
+import socket
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from xmlrpc.client import Fault
 from xmlrpc.client import ServerProxy
 
 import pytest
@@ -16,8 +21,17 @@ from compas.rpc import RPCServerError
 from compas_cgc import CGCMesh
 from compas_cgc import __version__
 from compas_cgc import solve
+from compas_cgc.rpc.service import LIMITS
+from compas_cgc.rpc.service import Handler
+from compas_cgc.rpc.service import RPCServer
+from compas_cgc.rpc.service import Service
+from compas_cgc.server.api.tasks import solve_job
+from compas_cgc.server.errors import RequestError
+from compas_cgc.server.jobs.engine import Jobs
+from compas_cgc.server.jobs.store import Store
 
 from ..support.server_process import PATIENCE
+from ..support.server_process import running_rpc
 from ..support.server_process import wait_for
 
 
@@ -115,3 +129,45 @@ def test_the_service_needs_no_web_framework(tmp_path):
     command = [sys.executable, "-m", "compas_cgc.rpc.service", "--help"]
     said = subprocess.run(command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=PATIENCE)
     assert (said.returncode, said.stderr) == (0, "") and "Serve compas.rpc" in said.stdout
+
+
+def test_only_the_operator_stops_the_service(proxy, monkeypatch):
+    port = proxy.address.rsplit(":", 1)[1]
+    for address in (proxy.address, f"http://operator:wrong-key@127.0.0.1:{port}", f"http://operator:@127.0.0.1:{port}"):
+        with pytest.raises(Fault, match="remote_shutdown requires the key of the service"):
+            ServerProxy(address).remote_shutdown()
+    assert proxy.version()["name"] == "compas_cgc"
+    monkeypatch.setenv("COMPAS_CGC_KEY", "the-key-of-the-operator")
+    with running_rpc() as other:
+        port = other.address.rsplit(":", 1)[1]
+        with pytest.raises(Fault):
+            ServerProxy(other.address).remote_shutdown()
+        assert ServerProxy(f"http://operator:the-key-of-the-operator@127.0.0.1:{port}").remote_shutdown() == 1
+        other._process.wait(PATIENCE)
+
+
+def test_a_half_open_connection_is_dropped(monkeypatch):
+    monkeypatch.setattr(Handler, "timeout", 0.3)
+    with RPCServer(("127.0.0.1", 0)) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        connection = socket.create_connection(server.server_address)
+        connection.sendall(b"POST /RPC2 HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 100\r\n\r\n<?xml")
+        connection.settimeout(PATIENCE)
+        while connection.recv(1000):
+            pass
+        server.shutdown()
+
+
+def test_jobs_expire_and_are_forgotten():
+    assert LIMITS.days == 1.0
+    limits = dataclasses.replace(LIMITS, days=1e-9)
+    jobs = Jobs(ThreadPoolExecutor(1), Store(":memory:"), solve_job, limits)
+    service = Service(jobs)
+    id = service.submit(vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces=[[0, 1, 2]], supports="boundary")
+    jobs.wait(id, PATIENCE)
+    jobs._tidy()
+    with pytest.raises(RequestError, match="no job"):
+        service.status(id)
+    other = service.submit(vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces=[[0, 1, 2]], supports="boundary")
+    assert list(service._given) == [other]
+    jobs.close()
