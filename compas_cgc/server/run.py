@@ -140,12 +140,12 @@ def serve(
         recv_bytes=2**16,
         # Closes connections with incomplete requests.
         channel_timeout=30,
-        socket_options=_drop_vanished(limits.stall),
         ident=None,
         url_prefix=prefix,
         clear_untrusted_proxy_headers=True,
         **({"trusted_proxy": trusted_proxy, "trusted_proxy_headers": {"x-forwarded-for"}} if trusted_proxy else {}),
     )
+    server.adj.socket_options = _drop_vanished(limits.stall)
     server.channel_class = channel_class(limits, trusted_proxy, keys)
     everywhere = host in ("0.0.0.0", "::")
     shown = "127.0.0.1" if everywhere else f"[{host}]" if ":" in host else host
