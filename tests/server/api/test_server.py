@@ -77,7 +77,7 @@ def test_the_moulds_of_a_result(server, tmp_path):
         ("count=x", "'count' must be a whole number"),
         ("size=1e-9", "cannot be divided"),
         ("colour=red", "there is no option 'colour'"),
-        ("format=pdf", "'format' must be one of json, 3dm"),
+        ("format=dwg", "'format' must be one of json, 3dm"),
         ("rough=maybe", "'rough' must be true or false"),
         ("along=laths", "along must be one of"),
     ):
