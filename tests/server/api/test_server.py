@@ -82,7 +82,7 @@ def test_the_moulds_of_a_result(server, tmp_path):
         ("along=laths", "along must be one of"),
     ):
         status, _, content = ask(server, "GET", f"{path}?{query}")
-        assert status == 422 and sentence in json.loads(content)["message"]
+        assert status == 422 and sentence in json.loads(content)["message"], query
     assert ask(server, "GET", "/api/v1/jobs/nowhere-to-be-found/moulds")[0] == 404
 
 
