@@ -32,7 +32,6 @@ __all__ = ["finds_curvature", "seek"]
 
 MOST, FIRST = 30, 8  # steps in K, and halvings of the K drawn until a first surface is found
 MET = 1e-9  # of a goal, against the power of the size that it has
-FACTORS = (1.0, 0.5, 2.0, 0.25, 4.0)  # on the K drawn, from which the search begins
 LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of log |K| in a step
 DECREASE = 1e-2  # part of the expected decrease that a step must bring
 FLAT = 1e-12  # derivative of the goals by log |K|, relative to the size, that is none
@@ -102,17 +101,7 @@ class _Seeker:
         self.steps, self.seconds = 0, 0.0
 
     def run(self) -> Solution:
-        """Return the surface that meets the goals, from the K drawn; saddles of other K may lead to another branch, so these come next."""
-        saddles = (self.problem.targets[np.concatenate(self.regions)] < 0.0).any()
-        ends: list[Solution] = []
-        for factor in FACTORS if saddles else FACTORS[:1]:
-            ends.append(self._from(np.full(len(self.regions), math.log(factor))))
-            if ends[-1].status == "cancelled" or (ends[-1].status == "converged" and ends[-1].verdict and ends[-1].verdict.fair):
-                return ends[-1]
-        return min(ends, key=lambda end: (end.status != "converged", float(np.linalg.norm(self._missing(end.vertices)))))
-
-    def _from(self, logs: FloatArray) -> Solution:
-        here = self._first(logs)
+        here = self._first()
         if here.solution.status != "converged":
             return self._ended(here, here.solution.status, here.solution.message)
         for _ in range(MOST):
@@ -138,8 +127,9 @@ class _Seeker:
                 return self._at(logs, nearest.vertices)
         return _Here(logs, solution, self._missing(solution.vertices))
 
-    def _first(self, logs: FloatArray) -> _Here:
-        """Return a surface for logs of K (k,), or for a smaller K if there is none."""
+    def _first(self) -> _Here:
+        """Return a surface for the K drawn, or for a smaller one if there is none."""
+        logs = np.zeros(len(self.regions))
         here = self._at(logs, None)
         for _ in range(FIRST):
             if here.solution.status in ("converged", "cancelled"):
