@@ -140,8 +140,9 @@ def grid_lines(problem: CGCProblem, region: IntArray, division: Division) -> Gri
         else:
             positions = _positions(division, strip[0][1], *lengths.tolist())
         at = np.concatenate(along)
-        if len(positions) >= len(at):
-            raise CGCError(f"a region of {len(at)} triangles cannot be divided into {len(positions)} or more panels; use larger ones")
+        fewest = min(len(charts[k].faces) for k, *_ in strip)
+        if len(positions) >= fewest:
+            raise CGCError(f"a region of {fewest} triangles cannot be divided into {len(positions)} or more panels; use larger ones")
         lines.append(np.unique([_shifted(line, at) for line in positions]))
         strips.append([Axis(*one, float(each.min()), float(each.max())) for one, each in zip(strip, along)])
     values = np.zeros((len(region), 3, 2))

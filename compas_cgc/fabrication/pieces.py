@@ -51,9 +51,10 @@ def best_box(points: FloatArray, sheet: tuple[float, float], along: Optional[Flo
     ahead = np.roll(hull, -1, axis=0) - hull
     angle = np.unique(np.round(np.r_[0.0, np.arctan2(ahead[:, 1], ahead[:, 0])] % (np.pi / 2), 9))
     boxes = []
-    for along in np.column_stack([np.cos(angle), np.sin(angle)]):
-        x, y = np.ptp(hull @ along), np.ptp(hull @ [-along[1], along[0]])
-        for axis, length, width in ((along, x, y), (np.array([-along[1], along[0]]), y, x)):
+    for side in np.column_stack([np.cos(angle), np.sin(angle)]):
+        other = np.array([-side[1], side[0]])
+        x, y = np.ptp(hull @ side), np.ptp(hull @ other)
+        for axis, length, width in ((side, x, y), (other, y, x)):
             parts = np.ceil(length / sheet[0]) * np.ceil(width / sheet[1])
             boxes.append(Box(axis, float(length), float(width), float(parts)))
     return min(boxes, key=lambda box: (box.parts, round(box.length * box.width, 9)))

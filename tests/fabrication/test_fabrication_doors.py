@@ -144,7 +144,7 @@ def solved(shape, K) -> CGCMesh:
 def test_the_component_unroll(tmp_path):
     mesh = solved(cone(6, 24), 0.0)
     path = tmp_path / "cut.dxf"
-    out = place("Unroll").run(cgc_mesh=mesh, length=3.0, width=1.5, path=str(path), write=True)
+    out = place("Unroll").settle(cgc_mesh=mesh, length=3.0, width=1.5, path=str(path), write=True)
     patterns = unroll(mesh, (3.0, 1.5))
     assert out["labels"] == [piece.label for piece in patterns.pieces]
     assert len(out["pieces"]) == len(out["places"]) == len(patterns.pieces) == len(out["outlines"])
@@ -157,7 +157,7 @@ def test_the_component_unroll_leaves_margins_and_allowances_free(tmp_path):
     pytest.importorskip("shapely")
     mesh = solved(cone(6, 24), 0.0)
     given = {"margin": 0.02, "allowance": 0.03, "spacing": 0.0}
-    out = place("Unroll").run(cgc_mesh=mesh, length=3.0, width=1.5, **given, path=str(tmp_path / "cut.dxf"), write=True, per_sheet=True)
+    out = place("Unroll").settle(cgc_mesh=mesh, length=3.0, width=1.5, **given, path=str(tmp_path / "cut.dxf"), write=True, per_sheet=True)
     patterns = unroll(mesh, (3.0, 1.5), **given)
     assert out["report"] == patterns.summary() and len(out["allowances"]) == len(out["outlines"]) == len(patterns.pieces)
     assert len(list(tmp_path.iterdir())) == patterns.sheets > 1
@@ -167,29 +167,29 @@ def test_the_component_unroll_leaves_margins_and_allowances_free(tmp_path):
 def test_the_component_unroll_refuses_a_panel_that_is_larger_than_a_sheet(tmp_path):
     placed = place("Unroll")
     given = {"length": 3.0, "width": 1.5, "path": str(tmp_path / "cut.svg"), "write": True}
-    assert placed.run(cgc_mesh=solved(cone(6, 24), 0.0), **given, whole=True)["report"] is None
+    assert placed.settle(cgc_mesh=solved(cone(6, 24), 0.0), **given, whole=True)["report"] is None
     assert "more than a sheet of 3000 x 1500 mm" in placed.said("Error")[0] and not list(tmp_path.iterdir())
 
 
 @pytest.mark.usefixtures("rhino")
 def test_the_component_membrane():
     mesh = solved(revolved_patch(8, 0.02), 0.02)
-    out = place("Membrane").run(cgc_mesh=mesh, pressure=2.0)
+    out = place("Membrane").settle(cgc_mesh=mesh, pressure=2.0)
     assert out["report"] == membrane(mesh, 2.0).summary()
     assert len(out["N1"]) == mesh.number_of_vertices() and min(out["N2"]) > 0
     assert not out["compression"] and len(out["tension"]) == 2 * mesh.number_of_faces()
     placed = place("Membrane")
-    assert placed.run(cgc_mesh=solved(cone(5, 20), 0.0))["report"] is None
+    assert placed.settle(cgc_mesh=solved(cone(5, 20), 0.0))["report"] is None
     assert "K = 0" in placed.said("Error")[0]
 
 
 @pytest.mark.usefixtures("rhino")
 def test_the_component_net():
     mesh = solved(revolved_patch(12, -0.02), -0.02)
-    out = place("Net").run(cgc_mesh=mesh, spacing=1.0)
+    out = place("Net").settle(cgc_mesh=mesh, spacing=1.0)
     net = curve_net(mesh, 1.0)
     assert len(out["first"]) + len(out["second"]) == len(net.curves) and out["sides"] == net.lengths.tolist()
-    through = place("Net").run(cgc_mesh=mesh, through=[Point3d(0.0, 0.0, 4.0)])
+    through = place("Net").settle(cgc_mesh=mesh, through=[Point3d(0.0, 0.0, 4.0)])
     assert len(through["first"]) == len(through["second"]) == 1
 
 

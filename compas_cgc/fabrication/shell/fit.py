@@ -259,9 +259,8 @@ class _System:
             K, gradients = curvature(*(part @ x for part in self.parts))
             error = np.where(self.curved > 0.0, (K - self.target) / self.reference, 0.0) / CURVATURE_ERROR
             weight = self.curved / (1.0 + (error / outlier) ** 2)
-            by = sum(
-                part.multiply((gradient / self.reference / CURVATURE_ERROR)[:, None]) for part, gradient in zip(self.parts, gradients)
-            ).tocsr()
+            rates = [part.multiply((gradient / self.reference / CURVATURE_ERROR)[:, None]) for part, gradient in zip(self.parts, gradients)]
+            by = sum(rates[1:], rates[0]).tocsr()
             by.data[~np.isfinite(by.data)] = 0.0
             off = self.heights - self.near @ x
             own *= np.maximum(1.0, np.abs(off) / (looser * DISTANCE))

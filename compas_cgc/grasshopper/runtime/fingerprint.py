@@ -36,7 +36,8 @@ def _of(value: Any) -> Any:
         return constraint_data(value)
     if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
         return [_of(one) for one in value]
-    if hasattr(value, "DataCRC"):
-        return type(value).__name__, value.DataCRC(0)
+    content = getattr(value, "DataCRC", None)
+    if content is not None:
+        return type(value).__name__, content(0)
     axes = [axis for axis in ("Origin", "XAxis", "YAxis", "ZAxis", "X", "Y", "Z") if hasattr(value, axis)]
     return (type(value).__name__, [_of(getattr(value, axis)) for axis in axes]) if axes else value
