@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 from scipy.spatial import QhullError
 
+from ..discrete import boundary_vertices
 from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
@@ -58,6 +59,9 @@ def points(problem: CGCProblem, measured: MeasuredCurvature) -> Points:
     held[held_edges(problem)] = True
     near = _within(problem, fixed)
     unbounded = held | (_within(problem, held) & (problem.targets > 0.0))
+    if not fixed.any():
+        # Of a surface alone it is unknown where it was supported.
+        unbounded |= _within(problem, boundary_vertices(problem.vertices, problem.faces))
     excess = np.abs(measured.gaussian - targets) * cells
     allowed = HALF * np.abs(targets) * cells + np.pi / 4.0 * VISIBLE**2
     far_off = (excess > allowed) & (~near[at] | (measured.gaussian * np.sign(targets) < 0.0))

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 from typing import Any
 from typing import NamedTuple
 
-from ..model.constraints import Constraint
-from ..model.goals.wholes import is_of_whole
 from .settings import Settings
 
 if TYPE_CHECKING:
+    from ..model.constraints import Constraint
     from ..model.problem import CGCProblem
     from ..model.recorder import Callback
     from ..model.result import Solution
@@ -57,4 +56,7 @@ class Method(NamedTuple):
 
     def takes(self, goals: Iterable[Constraint]) -> bool:
         """Return whether it takes goals of these kinds."""
+        # Loaded when it is used, so that help texts do not wait for compiled kernels.
+        from ..model.goals.wholes import is_of_whole
+
         return self.goals == "any" or all(self.goals == "whole" and is_of_whole(goal) for goal in goals)

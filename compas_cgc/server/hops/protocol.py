@@ -81,4 +81,4 @@ def _path(pointer: str) -> str:
     try:
         return urlsplit(pointer).path if "://" in pointer else pointer.split("?")[0]
     except ValueError:
-        return pointer
+        return ""
