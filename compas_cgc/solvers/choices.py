@@ -44,6 +44,7 @@ SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
 FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", SMOOTH, from_dome=True)
+PLAIN_FOLDED_RIM = Choice("projection", "the whole rim is fixed, and regions are too narrow for the smooth measure", from_dome=True)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K")
 
 
@@ -78,7 +79,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if is_held_all_round(problem):
         return [RIM, PLAIN_RIM, BENDING, DRAWN_IN]
     if is_held_all_round(problem, folded=True):
-        return [FOLDED_RIM, BENDING]
+        return [FOLDED_RIM, PLAIN_FOLDED_RIM, BENDING]
     if (problem.roles[boundary_vertices(problem.vertices, problem.faces)] == FIXED).all() and not len(problem.creases):
         return [HELD, BENDING]
     return [BENDING, DRAWN_IN]
