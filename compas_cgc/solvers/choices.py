@@ -17,6 +17,7 @@ from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import FIXED
 from .polish.goal_seeking import finds_curvature
+from .polish.polisher import keeps_shape
 from .registry import METHODS
 from .registry import method_of
 from .settings import Settings
@@ -36,6 +37,7 @@ class Choice(NamedTuple):
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
 LAWS = Choice("bending", "it alone takes laws other than constant K")
 DRAWN_IN = Choice("projection", "free edges leave their drawn lines where no fair surface stays over them")
+DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
 SOUGHT = Choice("bending", "it bends and folds least, and finds K for goals of the whole surface")
 GOALS = Choice("projection", "it meets goals of all kinds")
@@ -82,4 +84,4 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         return [FOLDED_RIM, PLAIN_FOLDED_RIM, BENDING]
     if (problem.roles[boundary_vertices(problem.vertices, problem.faces)] == FIXED).all() and not len(problem.creases):
         return [HELD, BENDING]
-    return [BENDING, DRAWN_IN]
+    return [DRAWN, BENDING] if keeps_shape(problem) else [BENDING, DRAWN_IN]

@@ -42,7 +42,7 @@ from .starts import is_kept
 from .starts import over_its_plate
 from .starts import starts
 
-__all__ = ["Posed", "places", "polish", "posed_as_set"]
+__all__ = ["Posed", "keeps_shape", "places", "polish", "posed_as_set"]
 
 MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
 SAME = 1e-6  # distance relative to the size, up to which two surfaces are the same
@@ -178,6 +178,15 @@ def posed_as_set(problem: CGCProblem, settings: PolishSettings) -> Posed:
     else:
         lagrangian = over_its_plate(lagrangian)
     return Posed(lagrangian, local, frame, size)
+
+
+def keeps_shape(problem: CGCProblem) -> bool:
+    """Return whether a drawing has a shape that is kept."""
+    local = problem.without_dummies().local()[0]
+    heights = local.vertices - local.vertices.mean(axis=0)
+    if float(np.linalg.svd(heights, compute_uv=False)[2]) <= ROUNDING * EPS:
+        return False
+    return is_kept(posed(local, PolishSettings().fold_length))
 
 
 def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool, callback: Callback) -> list[FloatArray]:
