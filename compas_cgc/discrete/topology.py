@@ -20,6 +20,14 @@ from .arrays import mesh_arrays
 __all__ = ["boundary_vertices", "edge_faces"]
 
 
+def within_rings(faces: Faces, vertices: Mask, rings: int) -> Mask:
+    """Return the vertices (n,) up to a number of edges from some vertices (n,), themselves included."""
+    near = vertices.copy()
+    for _ in range(rings):
+        near[faces[near[faces].any(axis=1)]] = True
+    return near
+
+
 def _scrambled(i: Indices) -> NDArray[np.uint64]:
     # The bijective finaliser of splitmix64: distinct vertices have distinct images.
     z = i.astype(np.uint64) + np.uint64(0x9E3779B97F4A7C15)

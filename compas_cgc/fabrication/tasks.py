@@ -42,6 +42,12 @@ class Task(NamedTuple):
 DIVIDES = {"size", "count", "columns", "rows", "curves"}  # options that define joints
 _NUMBER = {"type": "number", "minimum": -values.LARGEST, "maximum": values.LARGEST}
 _LENGTH = {"type": "number", "minimum": 0, "maximum": values.LARGEST}
+_PLAN_VECTOR = {
+    "oneOf": [
+        {"type": "string", "pattern": r"^[-+0-9.eE]+ *, *[-+0-9.eE]+$"},
+        {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+    ]
+}
 _REGIONS = BuildOption(
     "regions",
     "use these regions only",
@@ -223,12 +229,7 @@ TASKS: dict[str, Task] = {
                     "grain",
                     "direction in plan along the length of the sheets, such as 1,0 (default: any)",
                     values.plan_vector,
-                    {
-                        "oneOf": [
-                            {"type": "string", "pattern": r"^[-+0-9.eE]+ *, *[-+0-9.eE]+$"},
-                            {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
-                        ]
-                    },
+                    _PLAN_VECTOR,
                     "X,Y",
                 ),
                 BuildOption(
@@ -289,12 +290,7 @@ TASKS: dict[str, Task] = {
                     "wind",
                     "wind pressure as a vector in plan, a load case of .inp files",
                     values.plan_vector,
-                    {
-                        "oneOf": [
-                            {"type": "string", "pattern": r"^[-+0-9.eE]+ *, *[-+0-9.eE]+$"},
-                            {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
-                        ]
-                    },
+                    _PLAN_VECTOR,
                     "X,Y",
                     file=True,
                 ),

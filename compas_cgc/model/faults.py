@@ -13,6 +13,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.local_fits import LocalFits
+from ..discrete.topology import within_rings
 from .problem import CGCProblem
 from .roles import CREASE
 
@@ -90,11 +91,7 @@ def _within(tensors: FloatArray, normals: FloatArray) -> FloatArray:
 
 def _apart(problem: CGCProblem) -> Mask:
     """Return the vertices at least EDGES_FROM_RIM edges from supports and free edges (n,)."""
-    near = ~problem.asked & (problem.roles != CREASE)
-    for _ in range(EDGES_FROM_RIM - 1):
-        beside = problem.faces[near[problem.faces].any(axis=1)]
-        near[beside] = True
-    return ~near
+    return ~within_rings(problem.faces, ~problem.asked & (problem.roles != CREASE), EDGES_FROM_RIM - 1)
 
 
 def _lines(V: FloatArray, u: IntArray, v: IntArray) -> IntArray:

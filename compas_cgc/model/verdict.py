@@ -163,7 +163,8 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     error, own = _errors(problem, fits)
     wave = _waves(fits)
     other = _bulging_otherwise(problem, fits)
-    off_creases = _off_creases(problem)
+    inner, creased = _inner_edges(problem)
+    off_creases = inner[~creased]
     edges, fold, called = _folds(problem, fits, off_creases)
     torn = fault(problem, fits, off_creases[:, :2])
     sharp = (fold > FOLD_RATIO * called) & (fold > INVISIBLE_FOLD)
@@ -226,7 +227,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
             f"it has a branch point at vertex {at}, where K is 0 whatever the target and more valleys meet than its supports require "
             "(draw the surface as a saddle, or set a smaller K)"
         )
-    measured = measured_curvature_of(V, read_across(problem), _creases(problem), problem.regions())
+    measured = measured_curvature_of(V, read_across(problem), inner[creased, :2], problem.regions())
     pointed = points(problem, measured)
     if len(pointed.vertices):
         worst = int(np.argmax(pointed.turns))
@@ -359,18 +360,6 @@ def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntAr
         height = np.maximum(2.0 * areas[face] / np.sqrt(squared), np.finfo(float).tiny)
         turned += height / 2.0 + np.abs(foot * (1.0 - foot)) * squared / (2.0 * height)
     return edges[known, :2], fold[known], (np.fmax(principal[u], principal[v]) * turned)[known]
-
-
-def _off_creases(problem: CGCProblem) -> IntArray:
-    """Return the inner edges (k, 4) that are no creases, with their faces."""
-    edges, folded = _inner_edges(problem)
-    return edges[~folded]
-
-
-def _creases(problem: CGCProblem) -> IntArray:
-    """Return the crease edges (c, 2), and those between two vertices on creases."""
-    edges, folded = _inner_edges(problem)
-    return edges[folded, :2]
 
 
 def _inner_edges(problem: CGCProblem) -> tuple[IntArray, Mask]:

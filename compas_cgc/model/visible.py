@@ -16,10 +16,11 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.measured_curvature import MeasuredCurvature
+from ..discrete.topology import within_rings
 from .problem import CGCProblem
 from .roles import FIXED
 
-__all__ = ["Points", "dip", "held_edges", "points"]
+__all__ = ["Points", "dip", "on_held_edges", "points"]
 
 VISIBLE = np.radians(9.0)  # turn of the surface across a point, as across the tip of a cone, that is visible
 HALF = 0.5  # relative error of K at a single vertex from which the surface has another K there
@@ -55,13 +56,12 @@ def points(problem: CGCProblem, measured: MeasuredCurvature) -> Points:
     cells = measured.areas / 3.0
     of_regions = np.array([np.nan if K is None else K for K in problem.region_targets()], dtype=np.float64)
     targets = np.where(problem.asked[at], problem.targets[at], of_regions[region])
-    fixed, held = problem.roles == FIXED, np.zeros(len(problem.vertices), bool)
-    held[held_edges(problem)] = True
-    near = _within(problem, fixed)
-    unbounded = held | (_within(problem, held) & (problem.targets > 0.0))
+    F, fixed, held = problem.faces, problem.roles == FIXED, on_held_edges(problem)
+    near = within_rings(F, fixed, NEAR)
+    unbounded = held | (within_rings(F, held, NEAR) & (problem.targets > 0.0))
     if not fixed.any():
         # Of a surface alone it is unknown where it was supported.
-        unbounded |= _within(problem, boundary_vertices(problem.vertices, problem.faces))
+        unbounded |= within_rings(F, boundary_vertices(problem.vertices, F), NEAR)
     excess = np.abs(measured.gaussian - targets) * cells
     allowed = HALF * np.abs(targets) * cells + np.pi / 4.0 * VISIBLE**2
     far_off = (excess > allowed) & (~near[at] | (measured.gaussian * np.sign(targets) < 0.0))
@@ -69,20 +69,13 @@ def points(problem: CGCProblem, measured: MeasuredCurvature) -> Points:
     return Points(at[bad], 2.0 * np.sqrt(excess[bad] / np.pi), measured.gaussian[bad])
 
 
-def _within(problem: CGCProblem, vertices: Mask) -> Mask:
-    """Return the vertices (n,) up to NEAR edges from some vertices (n,)."""
-    near = vertices.copy()
-    for _ in range(NEAR):
-        near[problem.faces[near[problem.faces].any(axis=1)]] = True
-    return near
-
-
-def held_edges(problem: CGCProblem) -> IntArray:
-    """Return the edges (h, 2) of the boundary and of creases whose ends are both fixed."""
+def on_held_edges(problem: CGCProblem) -> Mask:
+    """Return the vertices (n,) on edges of the boundary and of creases whose ends are both fixed."""
     edges = edge_faces(problem.faces)
-    open_: Mask = edges[:, 3] < 0
-    candidates = np.vstack([edges[open_, :2], problem.creases])
-    return candidates[(problem.roles == FIXED)[candidates].all(axis=1)]
+    candidates = np.vstack([edges[edges[:, 3] < 0, :2], problem.creases])
+    found = np.zeros(len(problem.vertices), bool)
+    found[candidates[(problem.roles == FIXED)[candidates].all(axis=1)]] = True
+    return found
 
 
 def dip(problem: CGCProblem, measured: MeasuredCurvature) -> tuple[int, float]:

@@ -146,14 +146,14 @@ def solve(
     own = method if chosen is None else method_of(chosen)
     _check_laws(own, posed, chosen)
     _check_constraints(own, posed)
-    told = callback and _RealOnly(callback, posed.roles != DUMMY)
+    of_real = callback and _RealOnly(callback, posed.roles != DUMMY)
     drawn = posed.drawn if own in ("auto", "bending", "projection") else None
     surface, posed = posed, posed if drawn is None else drawn
     diagnostics = check(posed)
     refuse(diagnostics)
-    solution = solved_on(surface, posed, own, chosen, told) if drawn is not None else None
+    solution = solved_on(surface, posed, own, chosen, of_real) if drawn is not None else None
     if solution is None:
-        solution = _run(method, posed, chosen, told)
+        solution = _run(method, posed, chosen, of_real)
     mesh = problem if isinstance(problem, CGCMesh) and targets is None and laws is None else None
     return SolveResult.from_solution(posed, solution, chosen, mesh, diagnostics)
 
@@ -163,8 +163,8 @@ def _found_for_goals(problem: CGCProblem) -> CGCProblem:
     goals = problem.goals
     if any(isinstance(goal, Unknown) for goal in goals) or not any(is_of_whole(goal) for goal in goals):
         return problem
-    told = not np.isnan(problem.targets[problem.asked]).all() or problem.regions()[problem.real_faces].any()
-    return problem if told else problem.with_goals([Unknown()])
+    known = not np.isnan(problem.targets[problem.asked]).all() or problem.regions()[problem.real_faces].any()
+    return problem if known else problem.with_goals([Unknown()])
 
 
 def _unknown_regions(unknown: object) -> Union[str, list[int]]:

@@ -34,11 +34,11 @@ MOST, FIRST = 30, 8  # steps in K, and halvings of the K drawn until a first sur
 MET = 1e-9  # of a goal, against the power of the size that it has
 LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of log |K| in a step
 DECREASE = 1e-2  # part of the expected decrease that a step must bring
-FLAT = 1e-12  # derivative of the goals by log |K|, relative to the size, that is none
+FLAT = 1e-12  # derivatives of the goals by log |K|, relative to the size, up to which the goals do not depend on K
 
 
 class _Here(NamedTuple):
-    """A surface for some K, and what it lacks of the goals."""
+    """A surface for some K, and by how much it misses the goals."""
 
     logs: FloatArray  # (k,) log of K over that drawn, by unknown region
     solution: Solution

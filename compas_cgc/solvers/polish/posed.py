@@ -16,7 +16,7 @@ from ...model.laws import Law
 from ...model.laws import Piecewise
 from ...model.problem import CGCProblem
 from ...model.roles import FIXED
-from ...model.visible import held_edges
+from ...model.visible import on_held_edges
 from .lagrangian import Lagrangian
 
 __all__ = ["move_directions", "pair_laws", "pair_targets", "posed"]
@@ -69,9 +69,7 @@ def pair_targets(problem: CGCProblem, mesh: MidEdgeMesh) -> FloatArray:
         around = (mesh.incidence @ own) / (mesh.incidence @ count)
         of_regions = np.bincount(problem.regions(), own) / np.bincount(problem.regions(), count)
     targets = np.where(known[vertex], problem.targets[vertex], np.where(np.isfinite(around), around, of_regions[region]))
-    held = np.zeros(len(problem.vertices), bool)
-    held[held_edges(problem)] = True
-    return np.where(held[vertex], np.nan, targets)
+    return np.where(on_held_edges(problem)[vertex], np.nan, targets)
 
 
 def pair_laws(problem: CGCProblem, mesh: MidEdgeMesh) -> tuple[IntArray, Piecewise]:
@@ -80,9 +78,7 @@ def pair_laws(problem: CGCProblem, mesh: MidEdgeMesh) -> tuple[IntArray, Piecewi
     Along held edges no equation holds, whatever the law.
     """
     targets = pair_targets(problem, mesh)
-    of = np.where(np.isfinite(targets), 0, -1)
-    held = np.zeros(len(problem.vertices), bool)
-    held[held_edges(problem)] = True
+    of, held = np.where(np.isfinite(targets), 0, -1), on_held_edges(problem)
     others = list(dict.fromkeys(problem.laws.values()))
     for region, law in problem.laws.items():
         of[(mesh.pairs[:, 1] == region) & ~held[mesh.pairs[:, 0]]] = 1 + others.index(law)
