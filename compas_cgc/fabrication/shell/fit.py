@@ -54,17 +54,16 @@ CLOSE = (
 )
 # For meshes that are farther from a surface with exact K.
 LOOSE = (
-    (16.0, np.inf, 1e-1),
+    *((16.0, np.inf, 1e-1),) * 2,
     (8.0, np.inf, 3e-2),
     (4.0, np.inf, 1e-2),
-    (4.0, np.inf, 3e-3),
-    *((4.0, np.inf, 1e-3),) * 4,
-    *((3.0, np.inf, 1e-4),) * 3,
-    *((1.0, np.inf, 1e-4),) * 2,
+    *((4.0, np.inf, 1e-3),) * 6,
+    *((4.0, 100.0, 1e-4),) * 4,
+    *((4.0, 100.0, 3e-5),) * 3,
 )
 Stages = tuple[tuple[float, float, float], ...]
 MEASURED_GAP = 1e-3  # relative gap of the stages whose surfaces are candidates
-MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the size
+MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the size, if the mesh is not farther from its own surface
 MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
 MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from supports
 AWAY = 2.0  # distance from supports, in mesh edges, beyond which the error of K counts
@@ -103,6 +102,7 @@ class Fit(NamedTuple):
     curves: list[FloatArray]  # (k, 3) points of every edge on its first surface, in the frame
     gap: float  # largest distance of the second surface from the points of a shared edge [L]
     distance: float  # largest distance of a vertex from its surface [L]
+    sagitta: float  # largest distance of a face from the surface over it, away from supports [L]
     errors: FloatArray  # (m,) error of K at the face centres relative to its target, NaN where no K is prescribed
     away: IntArray  # faces away from supports
 
@@ -112,10 +112,15 @@ class Fit(NamedTuple):
         errors = errors[np.isfinite(errors)]
         return np.percentile(errors, [50, 95, 100]) if len(errors) else np.zeros(3)
 
+    @property
+    def reach(self) -> float:
+        """Tolerance of the distance of vertices [L]: the mesh of a curved surface is as inaccurate as its faces are far from it."""
+        return max(MAX_DISTANCE * self.scale, self.sagitta)
+
     def shortfall(self) -> float:
         """Return the largest of distance, gap and error of K (95th percentile), each relative to its tolerance."""
-        distance, gap = self.distance / (MAX_DISTANCE * self.scale), self.gap / (MAX_GAP * self.scale)
-        return max(distance, gap, float(self.percentiles()[1]) / MAX_CURVATURE_ERROR)
+        gap, curvature_error = self.gap / (MAX_GAP * self.scale), float(self.percentiles()[1]) / MAX_CURVATURE_ERROR
+        return max(self.distance / self.reach, gap, curvature_error)
 
 
 def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
@@ -281,18 +286,28 @@ class _System:
 
     def _measured(self, x: FloatArray) -> Fit:
         _, gap, curves = self.gaps(x)
-        distance = 0.0
-        for region in self.regions:
-            piece, xy = self._piece(region, x), region.plan[region.used, :2]
-            p, q = (region.space.basis(xy, order) @ piece.coefficients for order in ((1, 0), (0, 1)))
-            off = (region.plan[region.used, 2] - region.space.basis(xy) @ piece.coefficients) / np.sqrt(1.0 + p * p + q * q)
-            distance = max(distance, float(np.abs(off).max()))
-        pieces = [self._piece(region, x) for region in self.regions]
         V, F = self.V, self.problem.faces
         held = V[self.problem.supports]
-        away = np.flatnonzero(cKDTree(held).query(V[F].mean(axis=1))[0] > AWAY * self.edge) if len(held) else np.arange(len(F))
+        distant = cKDTree(held).query(V[F].mean(axis=1))[0] > AWAY * self.edge if len(held) else np.ones(len(F), bool)
+        pieces = [self._piece(region, x) for region in self.regions]
+        distance = sagitta = 0.0
+        for number, (region, piece) in enumerate(zip(self.regions, pieces)):
+            off, upright = _offsets(piece, region.plan[region.used])
+            distance = max(distance, float(np.abs(off * upright).max()))
+            corners = region.plan[region.faces]
+            corners[..., 2] -= _offsets(piece, corners.reshape(-1, 3))[0].reshape(-1, 3)
+            off, upright = _offsets(piece, corners.mean(axis=1))
+            sagitta = max(sagitta, float(np.abs(off * upright)[distant[self.label == number]].max(initial=0.0)))
         gap_ = float(np.abs(gap).max(initial=0.0))
-        return Fit(pieces, self.centre, self.scale, self.edges, curves, gap_ * self.scale, distance * self.scale, self.errors(x), away)
+        size = self.scale
+        away = np.flatnonzero(distant)
+        return Fit(pieces, self.centre, size, self.edges, curves, gap_ * size, distance * size, sagitta * size, self.errors(x), away)
+
+
+def _offsets(piece: Piece, local: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the heights of points (k, 3) over a surface, and the cosines of its slopes (k,)."""
+    z, p, q = (piece.space.basis(local[:, :2], order) @ piece.coefficients for order in ((0, 0), (1, 0), (0, 1)))
+    return local[:, 2] - z, 1.0 / np.sqrt(1.0 + p * p + q * q)
 
 
 def _axes(points: FloatArray, normals: FloatArray, number: int) -> FloatArray:

@@ -11,18 +11,21 @@ from scipy.interpolate import make_interp_spline
 from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
+from ...errors import MeshError
 from ...model.problem import CGCProblem
 from .fit import AWAY
 from .fit import CURVATURE_FLOOR
+from .fit import MAX_CURVATURE_ERROR
 from .fit import Fit
 from .heights import DEGREE
 from .heights import SECOND_ORDERS
 from .heights import HeightSpace
 
-__all__ = ["Patch", "curvature_errors", "patches", "side_points"]
+__all__ = ["Patch", "Patches", "curvature_errors", "patches", "region_patches", "side_points"]
 
-POINTS_PER_EDGE = 4  # points along a side per mesh edge of the longest side
+SPANS_PER_EDGE = (4, 8, 16)  # spans along a side per mesh edge of the longest side, tried in this order
 SAMPLES = 40  # points in each direction at which K is measured
+MAX_ADDED_ERROR = 0.005  # error of K, 95th percentile, that patches may add to that of the fitted surfaces without refinement
 
 
 class Patch(NamedTuple):
@@ -34,13 +37,50 @@ class Patch(NamedTuple):
     sides: bool  # whether the sides of the patch are those of the region; otherwise the patch extends beyond it
 
 
+class Patches(NamedTuple):
+    """Patches of all regions with their measured accuracy."""
+
+    patches: list[Patch]
+    sides: list[FloatArray]  # (n, 3) points on every edge of the regions, in the frame of the fit
+    percentiles: FloatArray  # (3,) 50th, 95th and 100th percentile of the error of K away from supports, relative to the target
+
+
+def region_patches(problem: CGCProblem, fit: Fit) -> Patches:
+    """Return the patches of a fit, refined until they have its K.
+
+    Raises
+    ------
+    MeshError
+        If the finest patches do not have the K of the regions.
+    """
+    for spans in SPANS_PER_EDGE:
+        made = patches(fit, spans)
+        errors = curvature_errors(problem, fit, made)
+        found = np.percentile(errors, [50, 95, 100]) if len(errors) else np.zeros(3)
+        if found[1] <= fit.percentiles()[1] + MAX_ADDED_ERROR:
+            break
+    if found[1] > MAX_CURVATURE_ERROR:
+        raise MeshError(
+            f"no NURBS surfaces of the regions were written, because their K differs from its target by {100 * found[1]:.3g} % "
+            "(95th percentile away from supports); refine the mesh, or write .step"
+        )
+    return Patches(made, side_points(fit, spans), found)
+
+
 def curvature_errors(problem: CGCProblem, fit: Fit, made: list[Patch]) -> FloatArray:
-    """Return the error of K of patches on a grid, away from supports, relative to the targets (k,)."""
+    """Return the error of K of patches on a grid, away from supports, relative to the targets (k,).
+
+    Patches that extend beyond their region are measured at the faces of the region.
+    """
     supports = problem.vertices[problem.supports]
     edge = np.linalg.norm(problem.vertices[problem.faces[:, 0]] - problem.vertices[problem.faces[:, 1]], axis=1).mean()
     found = [np.empty(0)]
-    for patch, target in zip(made, problem.region_targets()):
-        if target is None or not patch.sides:
+    label = problem.regions()[fit.away]
+    for region, (patch, target) in enumerate(zip(made, problem.region_targets())):
+        if target is None:
+            continue
+        if not patch.sides:
+            found.append(fit.errors[fit.away[label == region]])
             continue
         places = np.linspace(patch.knots_u[0], patch.knots_u[-1], 2 + SAMPLES)[1:-1]
         point, u, v, uu, uv, vv = (_derivative(patch, places, order) for order in ((0, 0), *SECOND_ORDERS))
@@ -60,31 +100,40 @@ def _derivative(patch: Patch, places: FloatArray, order: tuple[int, int]) -> Flo
     return np.swapaxes(across, 0, 1)
 
 
-def side_points(fit: Fit) -> list[FloatArray]:
-    """Return points (n, 3) on every edge of the regions, at the same parameters for all, with common ends [L]."""
+def side_points(fit: Fit, spans: int) -> list[FloatArray]:
+    """Return points (n, 3) on every edge of the regions, at the same parameters for all, with common ends, in the frame of the fit."""
     ends: dict[int, list[FloatArray]] = {}
     for edge, curve in zip(fit.edges, fit.curves):
         for vertex, point in zip(edge.path[[0, -1]].tolist(), curve[[0, -1]]):
             ends.setdefault(vertex, []).append(point)
-    places = _greville(_knots(fit))
+    places = _greville(_knots(fit, spans))
     sides = []
     for edge, curve in zip(fit.edges, fit.curves):
-        points = make_interp_spline(np.linspace(0.0, 1.0, len(curve)), curve, k=3)(places)
+        piece = fit.pieces[edge.regions[0]]
+        points = piece.lifted(piece.local(make_interp_spline(np.linspace(0.0, 1.0, len(curve)), curve, k=3)(places))[:, :2])
         points[0], points[-1] = (np.mean(ends[vertex], axis=0) for vertex in edge.path[[0, -1]].tolist())
         sides.append(points)
     return sides
 
 
-def patches(fit: Fit) -> list[Patch]:
-    """Return one patch per region: between the four edges of a region, or over a rectangle for regions of other shapes."""
-    sides = side_points(fit)
-    return [_between(fit, number, sides) or _over(fit, number) for number in range(len(fit.pieces))]
+def patches(fit: Fit, spans: int) -> list[Patch]:
+    """Return one patch per region: between the four edges of a region, or over a rectangle for regions of other shapes.
+
+    Parameters
+    ----------
+    fit
+        The fitted surfaces.
+    spans
+        Number of spans along a side per mesh edge of the longest side.
+    """
+    sides, knots = side_points(fit, spans), _knots(fit, spans)
+    return [_between(fit, number, sides, knots) or _over(fit, number) for number in range(len(fit.pieces))]
 
 
-def _knots(fit: Fit) -> FloatArray:
+def _knots(fit: Fit, spans: int) -> FloatArray:
     """Return uniform knots from 0 to 1, the same for all patches."""
-    spans = POINTS_PER_EDGE * max(len(edge.path) - 1 for edge in fit.edges)
-    return HeightSpace.over(np.zeros(2), np.ones(2), 1.0 / spans).knots[0]
+    number = spans * max(len(edge.path) - 1 for edge in fit.edges)
+    return HeightSpace.over(np.zeros(2), np.ones(2), 1.0 / number).knots[0]
 
 
 def _greville(knots: FloatArray) -> FloatArray:
@@ -92,7 +141,7 @@ def _greville(knots: FloatArray) -> FloatArray:
     return np.convolve(knots[1:-1], np.full(DEGREE, 1.0 / DEGREE), "valid").clip(0.0, 1.0)
 
 
-def _between(fit: Fit, number: int, sides: list[FloatArray]) -> Optional[Patch]:
+def _between(fit: Fit, number: int, sides: list[FloatArray], knots: FloatArray) -> Optional[Patch]:
     """Return the patch between the four edges of a region, None if it has other edges or crosses itself in the plane."""
     own = [k for k, edge in enumerate(fit.edges) if number in edge.regions]
     corners = {vertex for k in own for vertex in fit.edges[k].path[[0, -1]].tolist()}
@@ -108,7 +157,7 @@ def _between(fit: Fit, number: int, sides: list[FloatArray]) -> Optional[Patch]:
         loop.append(sides[k] if forward else sides[k][::-1])
         here = int(fit.edges[k].path[-1 if forward else 0])
     south, east, north, west = loop[0], loop[1], loop[2][::-1], loop[3][::-1]
-    piece, knots = fit.pieces[number], _knots(fit)
+    piece = fit.pieces[number]
     s, e, n, w = (piece.local(side)[:, :2] for side in (south, east, north, west))
     t = _greville(knots)
     u, v = t[:, None, None], t[None, :, None]

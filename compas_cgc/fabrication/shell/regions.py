@@ -9,14 +9,14 @@ from ...model.problem import CGCProblem
 from .fit import CLOSE
 from .fit import LOOSE
 from .fit import MAX_CURVATURE_ERROR
-from .fit import MAX_DISTANCE
 from .fit import MAX_GAP
 from .fit import Fit
 from .fit import fitted
 
 __all__ = ["region_surfaces"]
 
-TRIALS = ((0.67, CLOSE), (0.67, LOOSE), (0.5, CLOSE))  # spans relative to the edge length, and weights, tried in this order
+TRIALS = ((0.67, CLOSE), (0.67, LOOSE), (0.5, LOOSE))  # spans relative to the edge length, and weights, tried in this order
+AIM = 0.02  # error of K, 95th percentile away from supports, at which no further trial is made
 
 
 def region_surfaces(problem: CGCProblem) -> Fit:
@@ -44,12 +44,14 @@ def region_surfaces(problem: CGCProblem) -> Fit:
     for trial in TRIALS:
         found = fitted(problem, *trial)
         fit = found if fit is None else min(fit, found, key=Fit.shortfall)
-        if fit.shortfall() <= 1.0:
+        if fit.shortfall() <= 1.0 and fit.percentiles()[1] <= AIM:
             return fit
     assert fit is not None
+    if fit.shortfall() <= 1.0:
+        return fit
     size, error = fit.scale, float(fit.percentiles()[1])
     reasons = {
-        f"they are {1e3 * fit.distance / size:.3g} thousandths of the roof's size from the mesh": fit.distance > MAX_DISTANCE * size,
+        f"they are {1e3 * fit.distance / size:.3g} thousandths of the roof's size from the mesh": fit.distance > fit.reach,
         f"neighbouring surfaces are {1e3 * fit.gap / size:.3g} thousandths of the roof's size apart": fit.gap > MAX_GAP * size,
         f"K differs from its target by {100 * error:.3g} % (95th percentile away from supports)": error > MAX_CURVATURE_ERROR,
     }

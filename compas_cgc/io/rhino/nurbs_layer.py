@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...errors import MeshError
 from ...fabrication.shell.heights import DEGREE
 from ...fabrication.shell.patches import Patch
-from ...fabrication.shell.patches import curvature_errors
-from ...fabrication.shell.patches import patches
-from ...fabrication.shell.patches import side_points
+from ...fabrication.shell.patches import region_patches
 from ...fabrication.shell.regions import region_surfaces
 from ...model.problem import CGCProblem
 from ._types import Geometry
@@ -29,16 +25,15 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
     layer = writer.layer(NURBS, (70, 100, 150))
     try:
         fit = region_surfaces(problem)
+        made, sides, errors = region_patches(problem, fit)
     except MeshError as error:
         return [str(error)]
-    made = patches(fit)
     for region, patch in enumerate(made):
         writer.archive.Objects.AddSurface(nurbs_surface(patch), writer.attributes(layer, f"region {region}", {"region": str(region)}))
-    for edge, points in zip(fit.edges, side_points(fit)):
+    for edge, points in zip(fit.edges, sides):
         beside = ", ".join(map(str, edge.regions))
         writer.polyline(fit.centre + fit.scale * points, writer.attributes(layer, f"edge of region {beside}", {"regions": beside}))
-    errors = curvature_errors(problem, fit, made)
-    half, most, largest = (100.0 * (np.percentile(errors, [50, 95, 100]) if len(errors) else fit.percentiles())).tolist()
+    half, most, largest = (100.0 * errors).tolist()
     others = [str(region) for region, patch in enumerate(made) if not patch.sides]
     cut = f"; regions without four sides ({', '.join(others)}) extend beyond their edges and are trimmed in .step files" if others else ""
     return [

@@ -8,8 +8,10 @@ import rhino3dm
 
 import compas_cgc
 from compas_cgc.fabrication.shell import fit as shell_fit
+from compas_cgc.fabrication.shell import patches as shell_patches
 from compas_cgc.fabrication.shell.patches import curvature_errors
 from compas_cgc.fabrication.shell.patches import patches
+from compas_cgc.fabrication.shell.patches import region_patches
 from compas_cgc.fabrication.shell.regions import region_surfaces
 from compas_cgc.io.rhino.nurbs_layer import nurbs_surface
 
@@ -53,15 +55,31 @@ def _meet(one, other):
 
 def test_patches_lie_on_the_fitted_surfaces(facade):
     fit = region_surfaces(facade.problem)
-    for piece, patch in zip(fit.pieces, patches(fit)):
+    made = patches(fit, 4)
+    for piece, patch in zip(fit.pieces, made):
         assert patch.sides
         points = grid_of(nurbs_surface(patch)).reshape(-1, 3)
         local = piece.local((points - fit.centre) / fit.scale)
         off = np.abs(piece.space.basis(local[:, :2]) @ piece.coefficients - local[:, 2]) * fit.scale
         assert np.median(off) < 1e-6 and np.percentile(off, 95) < 1e-4 and off.max() < 1e-3
     # The rim at the supports is singular; elsewhere the patches have the prescribed K.
-    errors = curvature_errors(facade.problem, fit, patches(fit))
+    errors = curvature_errors(facade.problem, fit, made)
     assert np.median(errors) < 0.002 and np.percentile(errors, 95) < 0.02
+
+
+def test_patches_of_a_vault_are_refined_until_they_are_developable():
+    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
+    fit = region_surfaces(result.problem)
+    made = region_patches(result.problem, fit)
+    coarse = np.percentile(curvature_errors(result.problem, fit, patches(fit, 4)), 95)
+    assert made.percentiles[1] < 0.05 < coarse
+    assert len(made.patches[0].control) > len(patches(fit, 4)[0].control)
+
+
+def test_patches_without_the_curvature_of_the_regions_are_refused(facade, tmp_path, monkeypatch):
+    monkeypatch.setattr(shell_patches, "MAX_CURVATURE_ERROR", 1e-12)
+    (note,) = compas_cgc.write(tmp_path / "facade.3dm", facade, nurbs=True)
+    assert "their K differs from its target" in note and not objects_on(tmp_path / "facade.3dm")
 
 
 def test_refused_surfaces_leave_the_mesh_and_one_sentence(facade, tmp_path, monkeypatch):
