@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from codecs import BOM_UTF16_BE
+from codecs import BOM_UTF16_LE
 from collections.abc import Iterable
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -121,8 +123,10 @@ class Cursor:
                 yield number, line
 
     def text(self) -> str:
-        """Return the remaining text, decoded as UTF-8 or else as Latin-1."""
+        """Return the remaining text, decoded as UTF-16 if it begins with the mark of it, else as UTF-8 or Latin-1."""
         rest = self.data[self.position :]
+        if rest[:2] in (BOM_UTF16_LE, BOM_UTF16_BE):
+            return rest.decode("utf-16")
         try:
             return rest.decode("utf-8-sig")
         except UnicodeDecodeError:

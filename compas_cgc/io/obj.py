@@ -13,6 +13,8 @@ from ..model.problem import CGCProblem
 from .cleanup import clean_problem
 from .cursor import Cursor
 from .reading import ReadProblem
+from .rows import check_corners
+from .rows import integer_of
 from .rows import number_of
 
 __all__ = ["obj_text", "read_obj"]
@@ -45,10 +47,13 @@ def read_obj(path: Path, tolerance: float = 0.0) -> ReadProblem:
             if word == "v":
                 if len(rest) < 3:
                     raise ValueError("three coordinates are required")
-                vertices.append([number_of(x) for x in rest[:3]])
+                # A weight or a colour can follow the coordinates.
+                vertices.append([number_of(x) for x in rest][:3])
             elif word in ("f", "l", "p"):
+                if word == "f":
+                    check_corners(len(rest))
                 # Indices count from 1, or back from the last vertex before; v/vt/vn names textures and normals too.
-                index = [int(part.split("/")[0]) for part in rest]
+                index = [integer_of(part.split("/")[0]) for part in rest]
                 if 0 in index:
                     raise ValueError("vertices count from 1")
                 elements.append((number, line, word, [i - 1 if i > 0 else len(vertices) + i for i in index], K))
@@ -57,6 +62,8 @@ def read_obj(path: Path, tolerance: float = 0.0) -> ReadProblem:
                 K = number_of(found[1]) if found else None
             elif word in _FREE_FORM and not notes:
                 notes.append(f"free-form geometry ({word}) was left out; mesh it before the export")
+            elif word[0] in "+-.0123456789":
+                raise ValueError("a statement begins with a word such as v or f")
         except ValueError as error:
             raise _unreadable(path, number, line, str(error)) from None
     wrong = next((own for own in elements if any(not 0 <= v < len(vertices) for v in own[3])), None)

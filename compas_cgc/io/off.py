@@ -8,18 +8,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
 from ..errors import FileError
 from ..model.problem import CGCProblem
 from .cleanup import clean_problem
 from .cursor import Cursor
 from .reading import ReadProblem
 from .rows import Rows
+from .rows import check_corners
+from .rows import integer_of
 from .rows import number_of
 
 __all__ = ["off_text", "read_off"]
 
 # Texture, colour, normal, homogeneous and any dimension; the counts may follow without a space.
 _HEADER = re.compile(r"^(ST)?(C)?(N)?(4)?(n)?OFF(?=\d|$)")
+_BINARY = re.compile(rb"\w*OFF[ \t]+BINARY\b", re.IGNORECASE)
 COLOURS = (0, 1, 3, 4)  # values after the corners of a face
 
 
@@ -41,6 +45,8 @@ def read_off(path: Path, tolerance: float = 0.0) -> ReadProblem:
         Distance within which vertices are welded [L].
     """
     cursor = Cursor.of_file(path)
+    if _BINARY.match(cursor.data):
+        raise FileError(f"{path} is a binary .off file, which is not read; export it as text")
     rows = Rows(cursor)
     layout = _header(rows, path)
     try:
@@ -50,10 +56,9 @@ def read_off(path: Path, tolerance: float = 0.0) -> ReadProblem:
             rows.integer()
         cursor.count(n, 1, "vertices")
         cursor.count(m, 1, "faces")
-        vertices, faces = _by_rows(rows, n, m, layout) if rows.left == n + m else _by_tokens(rows, n, m, layout)
+        places, faces = (_by_rows if rows.left == n + m else _by_words)(rows, n, m, layout)
     except (IndexError, ValueError) as error:
         raise FileError(f"{path}{rows.where}: {error}; correct the file or export it again") from None
-    places = np.array(vertices, dtype=np.float64).reshape(n, layout.size)
     if layout.size == 4:
         places = places / places[:, 3:]
     return clean_problem(path, places[:, :3], faces, tolerance=tolerance)
@@ -67,39 +72,51 @@ def _header(rows: Rows, path: Path) -> _Layout:
     if found is None:
         return _Layout(3, 3)
     texture, colour, normal, four, any_size = found.groups()
-    rows.replace_first(word[found.end() :])
-    if rows.peek().upper() == "BINARY":
-        raise FileError(f"{path} is a binary .off file, which is not read; export it as text")
+    rows.replace_next(word[found.end() :])
     size = 4 if four else 3
     if any_size and rows.integer() != 3:
         raise FileError(f"{path} has vertices that are not three-dimensional; export them with three coordinates")
     return _Layout(size, size + (3 if normal else 0) + (4 if colour else 0) + (2 if texture else 0))
 
 
-def _by_rows(rows: Rows, n: int, m: int, layout: _Layout) -> tuple[list[list[float]], list[list[int]]]:
+def _by_words(rows: Rows, n: int, m: int, layout: _Layout) -> tuple[FloatArray, list[list[int]]]:
+    """Read numbers wherever the rows break; colours of faces cannot be distinguished from the next face."""
+    words = rows.words(n * layout.whole)
+    columns = [[number_of(word) for word in words[axis :: layout.whole]] for axis in range(layout.size)]
+    faces = [_face(rows.words(check_corners(rows.count("corners"))), n) for _ in range(m)]
+    rows.refuse_rest()
+    return np.array(columns, dtype=np.float64).T, faces
+
+
+def _by_rows(rows: Rows, n: int, m: int, layout: _Layout) -> tuple[FloatArray, list[list[int]]]:
     """Read a row for each vertex and face; further numbers in a row are colours and the like."""
     vertices = []
+    width = max(layout.size, rows.row_size)
     for _ in range(n):
         words = rows.row()
-        if len(words) < layout.size:
-            raise ValueError(f"a vertex needs {layout.size} coordinates, the row has {len(words)}")
+        if len(words) != width:
+            raise ValueError(f"the vertex has {len(words)} numbers, but {width} are expected")
         vertices.append([number_of(word) for word in words[: layout.size]])
     faces = []
+    colours = set()
     for _ in range(m):
         size, *words = rows.row()
-        corners = int(size)
-        if corners < 0 or len(words) - corners not in COLOURS:
-            raise ValueError(f"the face declares {corners} corners, and {len(words)} numbers follow")
-        faces.append([int(word) for word in words[:corners]])
-    return vertices, faces
+        corners = check_corners(integer_of(size))
+        colours.add(len(words) - corners)
+        if not colours.issubset(COLOURS):
+            raise ValueError(f"the face declares {corners} corners, but {len(words)} numbers follow")
+        if len(colours - {0}) > 1 or colours == {0, 1}:
+            raise ValueError(f"{len(words) - corners} numbers follow the corners of the face, unlike in other rows")
+        faces.append(_face(words[:corners], n))
+    return np.array(vertices, dtype=np.float64).reshape(n, layout.size), faces
 
 
-def _by_tokens(rows: Rows, n: int, m: int, layout: _Layout) -> tuple[list[list[float]], list[list[int]]]:
-    """Read numbers wherever the rows break; without rows, colours of faces cannot be told from the next face."""
-    vertices = [[rows.real() for _ in range(layout.whole)][: layout.size] for _ in range(n)]
-    faces = [[rows.integer() for _ in range(rows.count("corners"))] for _ in range(m)]
-    rows.refuse_rest()
-    return vertices, faces
+def _face(words: list[str], n: int) -> list[int]:
+    face = [integer_of(word) for word in words]
+    wrong = next((v for v in face if not 0 <= v < n), None)
+    if wrong is not None:
+        raise ValueError(f"vertex {wrong} does not exist; there are {n}, counted from 0")
+    return face
 
 
 def off_text(problem: CGCProblem) -> str:

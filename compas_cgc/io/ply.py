@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from collections.abc import Iterable
 from collections.abc import Iterator
 from collections.abc import Mapping
@@ -21,11 +22,14 @@ from .cursor import Cursor
 from .cursor import reason_of
 from .reading import ReadProblem
 from .rows import Rows
+from .rows import check_corners
+from .rows import integer_of
 from .rows import number_of
 
 __all__ = ["ply_text", "read_ply"]
 
 _END_OF_HEADER = re.compile(rb"(?<=[\r\n])end_header[ \t]*(?:\r\n|\r|\n)")
+CORNERS = ("vertex_indices", "vertex_index")  # names of the property with the corners of faces
 _TYPES = {
     "char": "i1",
     "int8": "i1",
@@ -78,7 +82,7 @@ def read_ply(path: Path, tolerance: float = 0.0) -> ReadProblem:
         if kind == "ascii":
             rows = Rows(cursor, comments=("comment", "obj_info"))
             try:
-                read = _text_rows(cursor, rows, elements)
+                read = _text_values(cursor, rows, elements)
             except (IndexError, ValueError):
                 where = rows.where
                 raise
@@ -105,7 +109,7 @@ def read_ply(path: Path, tolerance: float = 0.0) -> ReadProblem:
 def _faces(tables: Mapping[str, Mapping[str, list]]) -> list[list[int]]:
     """Return the corners of all faces and of the triangles of strips."""
     shapes = tables.get("face", {})
-    corners = next((name for name in ("vertex_indices", "vertex_index") if name in shapes), None)
+    corners = next((name for name in CORNERS if name in shapes), None)
     if shapes and corners is None:
         raise ValueError(f"its faces have no vertex_indices, but {', '.join(shapes)}")
     faces = [[int(i) for i in face] for face in shapes[corners]] if corners else []
@@ -150,32 +154,62 @@ def _header(cursor: Cursor) -> tuple[str, list[_Element]]:
     return kind, elements
 
 
-def _text_rows(cursor: Cursor, rows: Rows, elements: list[_Element]) -> list[dict[str, list]]:
-    """Read a row for each element, whose further values are not used, or where there are not as many rows, value by value."""
-    by_rows = rows.left == sum(cursor.count(element.size, 1, f"elements {element.name!r}") for element in elements)
-    tables = []
-    for element in elements:
-        table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(element.size):
-            words = iter(rows.row()) if by_rows else rows.words()
-            for p in element.properties:
-                read = number_of if p.kind[0] == "f" else int
-                if p.length is None:
-                    table[p.name].append(read(_next(words)))
-                else:
-                    count = cursor.count(_length(_next(words)), 1, f"values of {p.name!r}")
-                    table[p.name].append([read(_next(words)) for _ in range(count)])
-        tables.append(table)
-    if not by_rows:
-        rows.refuse_rest()
+def _text_values(cursor: Cursor, rows: Rows, elements: list[_Element]) -> list[dict[str, list]]:
+    """Read one row for each entry, or values wherever the rows break if the number of rows differs."""
+    if rows.left == sum(cursor.count(element.size, 1, f"elements {element.name!r}") for element in elements):
+        return [_table_of_rows(element, rows) for element in elements]
+    tables = [_table(element, (rows.words for _ in range(element.size))) for element in elements]
+    rows.refuse_rest()
     return tables
 
 
-def _next(words: Iterator[str]) -> str:
-    word = next(words, None)
-    if word is None:
-        raise ValueError("the row has fewer values than the header declares")
-    return word
+def _table(element: _Element, sources: Iterable[Callable[[int], list[str]]]) -> dict[str, list]:
+    """Return the values of an element by property; each source returns the next words of one entry."""
+    table: dict[str, list] = {p.name: [] for p in element.properties}
+    for words in sources:
+        for p in element.properties:
+            read = number_of if p.kind[0] == "f" else integer_of
+            if p.length is None:
+                table[p.name].append(read(words(1)[0]))
+            else:
+                length = _length(words(1)[0])
+                if p.name in CORNERS and element.name == "face":
+                    check_corners(length)
+                table[p.name].append([read(word) for word in words(length)])
+    return table
+
+
+def _table_of_rows(element: _Element, rows: Rows) -> dict[str, list]:
+    """Return the values of an element with one entry in each row, followed by the same number of further values."""
+    further: set[int] = set()
+
+    def sources() -> Iterator[Callable[[int], list[str]]]:
+        for _ in range(element.size):
+            row = _Row(rows.row())
+            yield row.words
+            further.add(row.left)
+            if len(further) > 1:
+                raise ValueError(f"the row has {row.left} values more than the header declares, unlike other rows")
+
+    return _table(element, sources())
+
+
+class _Row:
+    """The words of one row."""
+
+    def __init__(self, words: list[str]):
+        self._words = words
+        self._position = 0
+
+    @property
+    def left(self) -> int:
+        return len(self._words) - self._position
+
+    def words(self, count: int) -> list[str]:
+        if count > self.left:
+            raise ValueError("the row has fewer values than the header declares")
+        self._position += count
+        return self._words[self._position - count : self._position]
 
 
 def _length(word: str) -> int:
@@ -183,6 +217,8 @@ def _length(word: str) -> int:
     value = number_of(word)
     if value != int(value):
         raise ValueError(f"the number of entries of a list must be an integer, not {word!r}")
+    if value < 0:
+        raise ValueError(f"the number of entries of a list must not be negative, unlike {word!r}")
     return int(value)
 
 
@@ -201,8 +237,13 @@ def _binary_rows(cursor: Cursor, elements: list[_Element], kind: str) -> list[di
                 if p.length is None:
                     table[p.name].append(cursor.array(order + p.kind, 1)[0].item())
                 else:
-                    table[p.name].append(cursor.array(order + p.kind, int(cursor.array(order + p.length, 1)[0])).tolist())
+                    length = int(cursor.array(order + p.length, 1)[0])
+                    if p.name in CORNERS and element.name == "face":
+                        check_corners(length)
+                    table[p.name].append(cursor.array(order + p.kind, length).tolist())
         tables.append(table)
+    if cursor.left:
+        raise ValueError(f"the file contains {cursor.left} bytes more than its header declares")
     return tables
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from bisect import bisect_left
+from bisect import bisect_right
 
 from .cursor import Cursor
 
-__all__ = ["Rows", "number_of"]
+__all__ = ["Rows", "check_corners", "integer_of", "number_of"]
 
 _FORTRAN = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)$")
+_INTEGER = re.compile(r"^[+-]?[0-9]{1,400}$")
 _DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+(?:[eE][+-]?\d+)?$")
 
 
@@ -19,17 +21,44 @@ def number_of(word: str) -> float:
     Raises
     ------
     ValueError
-        If it is none.
+        If the word is not a number.
     """
     try:
-        return float(word)
+        if "_" not in word:  # Python would read 1_0 as 10
+            return float(word)
     except ValueError:
         fortran = _FORTRAN.match(word)
         if fortran:
             return float(f"{fortran[1]}e{fortran[2]}")
         if _DECIMAL_COMMA.match(word):
             raise ValueError(f"{word!r} has a decimal comma; export the file with decimal points") from None
-        raise ValueError(f"{word[:40]!r} is not a number") from None
+    raise ValueError(f"{word[:40]!r} is not a number")
+
+
+def integer_of(word: str) -> int:
+    """Return the integer in a word.
+
+    Raises
+    ------
+    ValueError
+        If the word is not an integer.
+    """
+    if not _INTEGER.match(word):
+        raise ValueError(f"{word[:40]!r} is not an integer")
+    return int(word)
+
+
+def check_corners(count: int) -> int:
+    """Return the declared number of corners of a face.
+
+    Raises
+    ------
+    ValueError
+        If it is less than three.
+    """
+    if count < 3:
+        raise ValueError(f"a face needs at least 3 corners, not {count}")
+    return count
 
 
 class Rows:
@@ -38,96 +67,92 @@ class Rows:
     Parameters
     ----------
     cursor
-        Position in the file; announced counts are checked with it.
+        Position in the file; declared counts are checked with it.
     comments
-        First words of rows that are passed over, besides ``#``.
+        First words of rows that are ignored, besides ``#``.
     """
 
     def __init__(self, cursor: Cursor, comments: tuple[str, ...] = ()):
         self._cursor = cursor
         before = len(cursor.data[: cursor.position].splitlines())
-        rows = ((before + number, text.split()) for number, text in cursor.lines())
-        self._rows = [(number, words) for number, words in rows if words[0] not in comments]
-        self._row = 0
-        self._word = 0
+        self._words: list[str] = []
+        self._starts: list[int] = []  # index of the first word of each row
+        self._numbers: list[int] = []  # row of the file
+        self.position = 0  # index of the next word
+        for number, text in cursor.lines():
+            words = text.split()
+            if words[0] not in comments:
+                self._starts.append(len(self._words))
+                self._numbers.append(before + number)
+                self._words += words
 
     @property
     def left(self) -> int:
-        """Number of rows that follow, without the rest of the current one."""
-        return len(self._rows) - self._row - (1 if self._word else 0)
+        """Number of rows after the current one."""
+        return len(self._starts) - bisect_left(self._starts, self.position)
 
     @property
     def where(self) -> str:
         """The row that was read last, as the end of a file's name in a sentence."""
-        at = min(self._row, len(self._rows)) - (0 if self._word else 1)
-        return f", row {self._rows[max(0, at)][0]}" if self._rows else ""
+        row = bisect_left(self._starts, self.position) - 1
+        return f", row {self._numbers[max(0, row)]}" if self._numbers else ""
 
     @property
     def in_row(self) -> bool:
         """Whether a part of the current row has been read."""
-        return self._word > 0
+        return self._end_of_row(self.position - 1) > self.position if self.position else False
 
     @property
     def row_size(self) -> int:
-        """Number of words in the next row."""
-        return len(self._rows[self._row][1]) if self._row < len(self._rows) else 0
+        """Number of words that follow in the row of the next word."""
+        return self._end_of_row(self.position) - self.position
 
     def peek(self) -> str:
         """Return the next word without moving on, an empty one at the end."""
-        return self._rows[self._row][1][self._word] if self._row < len(self._rows) else ""
+        return self._words[self.position] if self.position < len(self._words) else ""
 
-    def replace_first(self, word: str) -> None:
-        """Put another word in the place of the next one, none if it is empty."""
-        self._rows[self._row][1][self._word : self._word + 1] = [word] if word else []
-        self._end_row()
+    def replace_next(self, word: str) -> None:
+        """Replace the next word, or remove it if the new one is empty."""
+        self._words[self.position : self.position + 1] = [word] if word else []
+        if not word:
+            row = bisect_right(self._starts, self.position)
+            self._starts[row:] = [start - 1 for start in self._starts[row:]]
 
     def row(self) -> list[str]:
         """Return the words of the next whole row."""
-        if self._word:
-            raise ValueError(f"{len(self._rows[self._row][1]) - self._word} numbers are left over in this row")
-        if self._row >= len(self._rows):
-            raise ValueError("the file ends too early")
-        self._row += 1
-        return self._rows[self._row - 1][1]
+        if self.in_row:
+            raise ValueError(f"{self.row_size} numbers are left over in this row")
+        return self.words(max(1, self.row_size))
 
-    def word(self) -> str:
-        """Return the next word, wherever the row breaks."""
-        if self._row >= len(self._rows):
+    def words(self, count: int) -> list[str]:
+        """Return the next words, wherever the rows break."""
+        found = self._words[self.position : self.position + count]
+        self.position += len(found)
+        if len(found) < count:
             raise ValueError("the file ends too early")
-        found = self.peek()
-        self._word += 1
-        self._end_row()
         return found
 
-    def words(self) -> Iterator[str]:
-        """Yield the words that follow, wherever the rows break."""
-        while True:
-            yield self.word()
-
     def integer(self) -> int:
-        """Return the next word as a whole number."""
-        return int(self.word())
-
-    def real(self) -> float:
-        """Return the next word as a number."""
-        return number_of(self.word())
+        """Return the next word as an integer."""
+        return integer_of(self.words(1)[0])
 
     def count(self, what: str) -> int:
         """Return the next word as a number of things that follow."""
         return self._cursor.count(self.integer(), 1, what)
 
     def refuse_rest(self) -> None:
-        """Refuse numbers after all that the file declares.
+        """Reject numbers after all that the file declares.
 
         Raises
         ------
         ValueError
-            With how many there are.
+            With their number.
         """
-        rest = sum(len(words) for _, words in self._rows[self._row :]) - self._word
+        rest = len(self._words) - self.position
         if rest > 0:
             raise ValueError(f"the file contains {rest} numbers more than its header declares")
 
-    def _end_row(self) -> None:
-        if self._word >= len(self._rows[self._row][1]):
-            self._row, self._word = self._row + 1, 0
+    def _end_of_row(self, position: int) -> int:
+        """Return the index after the last word of a row."""
+        row = bisect_right(self._starts, position)
+        return self._starts[row] if row < len(self._starts) else len(self._words)

@@ -18,7 +18,7 @@ from .rows import number_of
 
 __all__ = ["read_stl", "stl_text"]
 
-_VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+_STATEMENT = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)(?=\s+(?:vertex|endloop|endfacet)\b)|\b(?:end)?facet\b", re.IGNORECASE)
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -37,14 +37,14 @@ def read_stl(path: Path, tolerance: float = 0.0) -> ReadProblem:
     rest = len(data) - 84 - 50 * count
     is_text = data[:80].lstrip().lower().startswith(b"solid") and b"facet" in data[:1024].lower()
     notes: tuple[str, ...] = ()
-    if rest == 0 or (count > 0 and rest > 0 and not is_text):
+    if rest == 0 or (count > 0 and rest > 0 and rest % _RECORD.itemsize and not is_text):
         with np.errstate(invalid="ignore"):  # signalling NaN
             corners = np.frombuffer(data, dtype=_RECORD, count=count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
         notes = (f"{rest} bytes after the last of the {count} triangles were ignored",) if rest else ()
     elif is_text:
         corners = _text_corners(path, data)
     elif count > 0:
-        raise FileError(f"{path} declares {count} triangles and holds {(len(data) - 84) // 50}; export it again")
+        raise FileError(f"{path} declares {count} triangles but holds {(len(data) - 84) // _RECORD.itemsize}; export it again")
     else:
         raise FileError(f"{path} is not a complete .stl file; export it again")
     faces = np.arange(len(corners)).reshape(-1, 3).tolist()
@@ -52,13 +52,23 @@ def read_stl(path: Path, tolerance: float = 0.0) -> ReadProblem:
 
 
 def _text_corners(path: Path, data: bytes) -> FloatArray:
+    """Return the corners (3 m, 3) of the facets, each of which holds three vertices."""
+    corners: list[list[float]] = []
+    facets, is_open = 0, False
     try:
-        corners = np.array([[number_of(x.decode("latin-1")) for x in found] for found in _VERTEX.findall(data)]).reshape(-1, 3)
+        for found in _STATEMENT.finditer(data):
+            if found[1] is not None:
+                corners.append([number_of(word.decode("latin-1")) for word in found.groups()])
+                continue
+            if is_open == (found[0][:1] in b"fF") or len(corners) != 3 * facets + 3 * is_open:
+                break
+            facets, is_open = facets + is_open, not is_open
+        else:
+            if not is_open and len(corners) == 3 * facets:
+                return np.array(corners, dtype=np.float64).reshape(-1, 3)
     except ValueError as error:
-        raise FileError(f"{path} cannot be read ({error}); export it again") from None
-    if len(corners) != 3 * len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE)):
-        raise FileError(f"{path} is not complete: a triangle does not have three corners; export it again")
-    return corners
+        raise FileError(f"{path}, facet {facets + 1}: {error}; export it again") from None
+    raise FileError(f"{path}: facet {facets + 1} does not have three vertices between facet and endfacet; export it again")
 
 
 def stl_text(problem: CGCProblem) -> str:

@@ -87,19 +87,46 @@ def test_obj_relative_indices_count_from_the_statement(loaded):
     assert _is_pyramid(loaded("a.obj", text + "".join(f"f {a - 5} {b - 5} {c - 5}\n" for a, b, c in FACES)))
 
 
+def test_a_face_in_the_name_of_a_group_and_text_in_utf_16(loaded):
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in POINTS) + "g An f Three Other Things\n"
+    text += "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES)
+    assert _is_pyramid(loaded("a.obj", text)) and _is_pyramid(loaded("a.obj", text.encode("utf-16")))
+
+
+def _facet(points, end="endfacet"):
+    return "facet normal 0 0 1\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in points) + f"endloop\n{end}\n"
+
+
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+BINARY_PLY = f"ply\nformat binary_little_endian 1.0\nelement vertex 3\n{XYZ}element face 1\nproperty list uchar uchar vertex_indices\n"
+BINARY_PLY = (BINARY_PLY + "end_header\n").encode() + np.eye(3).tobytes()
 REFUSED = {
+    "few.obj": (TRIANGLE + "f 1 2\n", "line 4: .*at least 3 corners, not 2"),
+    "moved.obj": (TRIANGLE.replace("0 0\nv", "0\n0 v"), "line 1: .*three coordinates"),
+    "longer.obj": ("v 0 0 0 v 1 0 0\n", "line 1: .*'v' is not a number"),
+    "number.obj": (TRIANGLE + "f 1 2\n3\n".replace("2\n", "2 3\n"), "line 5: .*begins with a word"),
+    "few.off": (OFF["plain"].replace("3 1 2 4", "2 1 2"), "row 9: .*at least 3 corners, not 2"),
+    "colour.off": (OFF["colours"].replace("1 0 0 1", "1 0 0", 1), "row 4: the vertex has 7 numbers, but 6 are expected"),
+    "index.off": (OFF["plain"].replace("3 1 2 4", "3 1 2 5"), "row 9: vertex 5 does not exist; there are 5"),
+    "uneven.ply": (PLY["more values in a row"].replace(" 7 7", " 7", 1), "row 12 .*2 values more than the header declares, unlike other"),
+    "few.ply": (BINARY_PLY + b"\2\0\1", "at least 3 corners, not 2"),
+    "longer.ply": (BINARY_PLY + b"\3\0\1\2\0", "1 bytes more than its header declares"),
+    "facets.stl": ("solid a\n" + _facet(POINTS[:2]) + _facet(POINTS[:4]), "facet 1 does not have three vertices"),
+    "end.stl": ("solid a\n" + _facet(POINTS[:3], end=""), "facet 1 does not have three vertices"),
+    "number.stl": ("solid a\n" + _facet([(0, 0, "blah")]), "facet 1: 'blah' is not a number"),
+    "longer.stl": (b"\0" * 80 + (1).to_bytes(4, "little") + b"\0" * 100, "declares 1 triangles but holds 2"),
     "comma.obj": ("v 0,5 0 0\n", "line 1: .*decimal comma"),
     "target.obj": ("g K = soft\n", "line 1: .*'soft' is not a number"),
     "zero.obj": ("v 0 0 0\nf 0 1 1\n", "line 2: .*vertices count from 1"),
     "missing.obj": ("f 1 2 3\nv 0 0 0\n", "line 1: .*the vertex does not exist; there are 1"),
-    "corner.off": (OFF["plain"].replace("3 1 2 4", "3 1 2"), r"row 9: the face declares 3 corners, and 2 numbers follow"),
+    "corner.off": (OFF["plain"].replace("3 1 2 4", "3 1 2"), r"row 9: the face declares 3 corners, but 2 numbers follow"),
     "short.off": (OFF["plain"].replace("\n3 3 0 4", ""), "the file ends too early"),
     "long.off": (OFF["all in one row"] + " 7", "1 numbers more than its header declares"),
     "binary.off": ("OFF BINARY\n5 4 0\n", "binary .off"),
     "plane.off": ("nOFF\n2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n", "not three-dimensional"),
     "corner.ply": (PLY["plain"].replace("3 1 2 4", "3 1 2"), "row 17 .*fewer values than the header declares"),
     "names.ply": (PLY["plain"].replace("vertex_indices", "corners"), "no vertex_indices, but corners"),
-    "short.stl": (b"\0" * 80 + (3).to_bytes(4, "little") + b"\0" * 100, "declares 3 triangles and holds 2"),
+    "short.stl": (b"\0" * 80 + (3).to_bytes(4, "little") + b"\0" * 100, "declares 3 triangles but holds 2"),
 }
 
 

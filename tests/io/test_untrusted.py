@@ -41,11 +41,11 @@ HOSTILE = {
         PLY.format(kind="binary_little_endian", more="element face 900\nproperty list char uchar vertex_indices\n")
         + 72 * "\0"
         + 900 * "\xff",
-        "declares -1",
+        "at least 3 corners, not -1",
     ),
     "count.off": ("OFF\n99999999999 1 0\n0 0 0\n", "declares 99999999999 vertices"),
     "negative_count.off": ("OFF\n-1 -1 0\n0 0 0\n1 0 0\n", "declares -1 vertices"),
-    "negative_face.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "declares -3 corners"),
+    "negative_face.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "at least 3 corners, not -3"),
     "continued.obj": ("v 0 0 0 \\\n" * 100_000, "holds no mesh"),
     "corners.obj": (TRIANGLE + "f " + "1 2 3 " * 5000, "15000 corners"),
     "large.obj": (TRIANGLE.replace("1", "1e308") + "f 1 2 3\n", "exceeds 1e[+]12"),
