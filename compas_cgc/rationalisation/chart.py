@@ -105,7 +105,7 @@ def fitted_surface(chart: Chart, points: FloatArray, tolerance: float) -> Fitted
         spans *= 2
     assert best is not None
     knots, heights, deviation = best
-    u, v = (np.array([own[k + 1 : k + DEGREE + 1].mean() for k in range(len(own) - DEGREE - 1)]) for own in knots)
+    u, v = (_abscissae(own) for own in knots)
     net = np.concatenate([np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1), heights[..., None]], axis=-1)
     control = np.concatenate([chart.to_space(net.reshape(-1, 3)), np.ones((net[..., 0].size, 1))], axis=1)
     return Fitted(SplineSurface(control.reshape(*net.shape[:2], 4), (knots[0], knots[1]), (DEGREE, DEGREE)), deviation)
@@ -120,7 +120,7 @@ def _fit(local: FloatArray, knots: list[FloatArray]) -> tuple[FloatArray, float]
     rows = [BSpline.design_matrix(local[:, k], knots[k], DEGREE) for k in range(2)]
     counts = [len(own) - DEGREE - 1 for own in knots]
     matrix = _row_products(rows[0].tocsr(), rows[1].tocsr(), counts)
-    second = [sparse.csr_matrix(np.diff(np.eye(n), 2, axis=0)) for n in counts]
+    second = [_second_differences(own) for own in knots]
     eye = [sparse.identity(n, format="csr") for n in counts]
     bending = sparse.kron(second[0].T @ second[0], eye[1]) + sparse.kron(eye[0], second[1].T @ second[1])
     normal = (matrix.T @ matrix / len(local)).tocsr()
@@ -128,6 +128,19 @@ def _fit(local: FloatArray, knots: list[FloatArray]) -> tuple[FloatArray, float]
     found = factorise(normal, symmetric=True).solve(matrix.T @ local[:, 2] / len(local))
     deviation = float(np.abs(matrix @ found - local[:, 2]).max(initial=0.0))
     return found.reshape(counts[0], counts[1]), deviation
+
+
+def _abscissae(knots: FloatArray) -> FloatArray:
+    """Return the parameters (n,) of control points (Greville), at which the heights of a plane are those of its control points."""
+    return np.array([knots[k + 1 : k + DEGREE + 1].mean() for k in range(len(knots) - DEGREE - 1)])
+
+
+def _second_differences(knots: FloatArray) -> sparse.csr_matrix:
+    """Return the second differences (n - 2, n) of control heights, those of a plane zero, for a unit step inside."""
+    at = _abscissae(knots)
+    step = (at[-1] - at[0]) / (len(at) - DEGREE)
+    slopes = np.diff(np.eye(len(at)), axis=0) / np.diff(at)[:, None]
+    return sparse.csr_matrix(2.0 * step**2 * np.diff(slopes, axis=0) / (at[2:] - at[:-2])[:, None])
 
 
 def _row_products(one: sparse.csr_matrix, other: sparse.csr_matrix, counts: list[int]) -> sparse.csr_matrix:

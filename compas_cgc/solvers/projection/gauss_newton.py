@@ -56,9 +56,10 @@ def descend(
 ) -> Iterator[Taken]:
     """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
 
-    With a `finish`, so many of them do from where the equations are nearly fulfilled. A step has to bring the merit below the
-    largest of the last ones that are in `memory` (Grippo, Lampariello and Lucidi, doi:10.1137/0723046). Where derivatives leave
-    something out, steps that follow each other by one ratio may be `extrapolated` to where they lead (Aitken).
+    No step starts where every residual is within its rounding: on a flat surface, where no move changes K to first order, it would
+    lead anywhere. With a `finish`, so many steps do from where the equations are nearly fulfilled. A step has to bring the merit
+    below the largest of the last ones that are in `memory` (Grippo, Lampariello and Lucidi, doi:10.1137/0723046). Where derivatives
+    leave something out, steps that follow each other by one ratio may be `extrapolated` to where they lead (Aitken).
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -67,7 +68,7 @@ def descend(
     merits = [here.merit]
     tolerance = LOOSEST
     before: Optional[FloatArray] = None
-    while here.merit > 0.0:
+    while not here.fulfils(0.0, system.floor):
         step, kept = system.step(here, equations, tolerance, kept)
         if extrapolated:
             ratio = _ratio(step, before)
