@@ -20,11 +20,12 @@ from ..discrete.topology import within_rings
 from .problem import CGCProblem
 from .roles import FIXED
 
-__all__ = ["Points", "dip", "on_held_edges", "points"]
+__all__ = ["PLAN_SHARE", "Points", "dip", "on_held_edges", "points"]
 
 VISIBLE = np.radians(9.0)  # turn of the surface across a point, as across the tip of a cone, that is visible
 HALF = 0.5  # relative error of K at a single vertex from which the surface has another K there
 NEAR = 2  # edges from a support within which the exact surface may be singular
+PLAN_SHARE = 0.25  # of the area of a surface, from which its plan is one to bulge over; less for closed surfaces and tubes
 DEEP = 0.1  # depth of a dip against the height of the surface over its supports
 APEX = 1e3  # height of a point over supports whose lower hull is sought, against their extent
 
@@ -88,7 +89,10 @@ def dip(problem: CGCProblem, measured: MeasuredCurvature) -> tuple[int, float]:
     if not asked.any() or not (problem.targets[asked] > 0.0).all() or fixed.sum() < 3 or fixed[asked].any():
         return -1, 0.0
     V, F = problem.vertices, problem.faces
-    normal = face_areas(V, F) @ face_normals(V, F)
+    areas = face_areas(V, F)
+    normal = areas @ face_normals(V, F)
+    if np.linalg.norm(normal) < PLAN_SHARE * areas.sum():
+        return -1, 0.0
     bulge = float(np.nansum(measured.mean * measured.areas))
     up = np.sign(bulge) * normal / max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
     along = np.linalg.svd(np.eye(3) - np.outer(up, up))[0][:, :2]

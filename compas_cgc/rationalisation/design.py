@@ -15,6 +15,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
+from ..errors import MeshError
 from ..meshing import triangles_of
 from ..meshing.boundary import boundary_loops
 from ..model.problem import Drawing
@@ -22,12 +23,15 @@ from .chart import Fitted
 from .chart import chart_of
 from .chart import fitted_surface
 from .spline_surface import SplineSurface
+from .unwrapping import Unwrapped
+from .unwrapping import unwrapped
 
 __all__ = ["Design", "DesignInput", "read_design"]
 
 DesignInput = Union[str, os.PathLike, SplineSurface, Any]
 
 TOLERANCE = 1e-4  # of the size of a mesh, within which it is fitted by default
+LARGEST_DEVIATION = 0.01  # of the size, from which a fitted surface is no longer the design
 ON_SIDE = 1e-3  # of a mean edge, within which a rim is a side of the rectangle around it
 
 
@@ -73,7 +77,7 @@ def read_design(design: DesignInput, *, tolerance: Optional[float] = None, seams
     FileError
         If the file cannot be read or holds no surface.
     MeshError
-        If a mesh does not lie over a plane.
+        If no smooth surface is near a mesh, or it has several parts or handles.
     CGCError
         If it is no design.
 
@@ -131,21 +135,54 @@ def _arrays_of(design: Any) -> tuple[FloatArray, list[list[int]], Drawing]:
 
 
 def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: Optional[float]) -> Design:
-    """Return the smooth surface through a mesh over a plane, within a tolerance."""
+    """Return the smooth surface through a mesh, within a tolerance."""
     faces = triangles_of(vertices, polygons)[0]
-    chart = chart_of(vertices, faces)
     used = np.unique(faces)
     size = float(np.linalg.norm(np.ptp(vertices[used], axis=0)))
     wanted = TOLERANCE * size if tolerance is None else tolerance
-    fitted = fitted_surface(chart, vertices[used], wanted)
-    plan = chart.to_local(vertices)[:, :2]
-    rims = tuple(plan[loop] for loop in boundary_loops(faces))
-    edge = float(np.median(np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1)))
+    chart = chart_of(vertices, faces)
+    if chart is not None:
+        over = Unwrapped(chart.to_local(vertices[used])[:, :2], used, np.full(2, np.inf), (False, False), tuple(boundary_loops(faces)))
+    else:
+        over = unwrapped(vertices, faces)
+    fitted = fitted_surface(over.uv, vertices[over.vertices], wanted, over.period, over.poles)
+    if fitted.deviation > LARGEST_DEVIATION * size:
+        raise MeshError(
+            f"the smooth surface fitted to the mesh deviates from it by {fitted.deviation:.3g}, {100.0 * fitted.deviation / size:.2g} % "
+            "of its size; the mesh is creased, or too coarse where it bends: refine and smooth it, give a NURBS surface, "
+            "or divide the design into smooth parts"
+        )
     notes = () if fitted.deviation <= wanted else (_note(fitted, wanted),)
+    uv = np.zeros((len(vertices), 2))
+    uv[over.vertices] = over.uv
+    rims = tuple(uv[loop] for loop in over.rims)
+    edge = float(np.median(np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1)))
     if len(rims) == 1 and _is_rectangle(rims[0], ON_SIDE * edge):
         rims = ()
-    quads = (plan, np.array(polygons)) if all(len(face) == 4 for face in polygons) else None
+    quads = None
+    if all(len(face) == 4 for face in polygons):
+        own = np.array(polygons)
+        quads = _joined_corners(uv, own, over, [np.argmin(over.uv[:, 1]), np.argmax(over.uv[:, 1])])
     return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads)
+
+
+def _joined_corners(uv: FloatArray, quads: IntArray, over: Unwrapped, ends: Sequence[np.integer]) -> tuple[FloatArray, IntArray]:
+    """Return corners of quads (4 q, 2) beside each other, where parameters close or have poles, and those of every quad (q, 4)."""
+    corners = uv[quads]
+    is_pole = np.zeros(quads.shape, bool)
+    for pole, end in zip(over.poles, ends):
+        if pole:
+            is_pole |= quads == over.vertices[end]
+    first = np.argmin(is_pole, axis=1)
+    for axis in np.flatnonzero(np.isfinite(over.period)):
+        values, period = corners[..., axis], over.period[axis]
+        near = np.take_along_axis(values, first[:, None], axis=1)
+        values = values - period * np.round((values - near) / period)
+        if axis == 0:
+            mean = (values * ~is_pole).sum(axis=1) / np.maximum((~is_pole).sum(axis=1), 1)
+            values = np.where(is_pole, mean[:, None], values)
+        corners[..., axis] = values
+    return corners.reshape(-1, 2), np.arange(4 * len(quads)).reshape(-1, 4)
 
 
 def _note(fitted: Fitted, wanted: float) -> str:

@@ -65,9 +65,13 @@ class SplineSurface:
     def closed(self) -> tuple[bool, bool]:
         """Whether the two sides at the ends of each parameter are the same curve."""
         points = self.control[..., :3] / self.control[..., 3:]
-        ends = [np.linalg.norm(points[0] - points[-1], axis=1), np.linalg.norm(points[:, 0] - points[:, -1], axis=1)]
-        first, second = (bool(gap.max() <= CLOSED * self.size) for gap in ends)
-        return first, second
+        found = []
+        for axis, (knots, degree) in enumerate(zip(self.knots, self.degrees)):
+            clamped = knots[1] == knots[degree] and knots[-2] == knots[-degree - 1]
+            count = 1 if clamped else degree
+            first, last = (np.take(points, places, axis) for places in (range(count), range(-count, 0)))
+            found.append(bool(np.linalg.norm(first - last, axis=2).max() <= CLOSED * self.size))
+        return found[0], found[1]
 
     def at(self, uv: FloatArray) -> FloatArray:
         """Return the points (k, 3) at parameters (k, 2) [L]."""
@@ -153,7 +157,9 @@ class SplineSurface:
     def _windows(self, values: FloatArray, axis: int, highest: int) -> list[tuple[FloatArray, IntArray]]:
         """Return, for every order of derivative, the values (k, p + 1) of the basis functions that are not zero, and their numbers."""
         knots, degree = self.knots[axis], self.degrees[axis]
-        inside = np.clip(values, *self.domain[axis])
+        low, high = self.domain[axis].tolist()
+        beyond = (values < low) | (values > high)
+        inside = np.where(beyond, low + np.mod(values - low, high - low), values) if self.closed[axis] else np.clip(values, low, high)
         last = len(knots) - degree - 2
         span = np.clip(np.searchsorted(knots, inside, side="right") - 1, degree, last)
         numbers = np.asarray(span[:, None] + np.arange(-degree, 1), dtype=np.int64)

@@ -190,6 +190,6 @@ def test_a_flat_design_is_kept_as_it_is():
 def test_a_flat_design_does_not_slide_in_its_plane():
     vertices, quads = mesh_over(lambda x, y: 0.3 * x - 0.2 * y, 10.0, 10.0, 0.5)
     turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-    own = compas_cgc.rationalise((vertices @ turn.T / 3.0 + [7.0, -4.0, 1.0], quads), panel=0.4, edges=4, moulds=2)
+    own = compas_cgc.rationalise((vertices @ turn.T / 3.0 + [7.0, -4.0, 1.0], quads), panel=1.2, edges=4, moulds=2)
     assert own.curvatures.tolist() == [0.0]
     assert np.linalg.norm(own.result.vertices - own.panelling.vertices, axis=1).max() < 1e-9

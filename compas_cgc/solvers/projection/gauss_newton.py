@@ -57,9 +57,10 @@ def descend(
     """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
 
     No step starts where every residual is within its rounding: on a flat surface, where no move changes K to first order, it would
-    lead anywhere. With a `finish`, so many steps do from where the equations are nearly fulfilled. A step has to bring the merit
-    below the largest of the last ones that are in `memory` (Grippo, Lampariello and Lucidi, doi:10.1137/0723046). Where derivatives
-    leave something out, steps that follow each other by one ratio may be `extrapolated` to where they lead (Aitken).
+    lead anywhere. A start like that is a step of length zero. With a `finish`, so many steps do from where the equations are nearly
+    fulfilled. A step has to bring the merit below the largest of the last ones that are in `memory` (Grippo, Lampariello and
+    Lucidi, doi:10.1137/0723046). Where derivatives leave something out, steps that follow each other by one ratio may be
+    `extrapolated` to where they lead (Aitken).
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -68,6 +69,8 @@ def descend(
     merits = [here.merit]
     tolerance = LOOSEST
     before: Optional[FloatArray] = None
+    if here.fulfils(0.0, system.floor):
+        yield Taken(here.vertices, 0.0, 1)
     while not here.fulfils(0.0, system.floor):
         step, kept = system.step(here, equations, tolerance, kept)
         if extrapolated:

@@ -1,0 +1,107 @@
+"""Meshes that lie over no plane: closed designs, tubes and walls that turn by more than half a circle."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import compas_cgc
+from compas_cgc.errors import MeshError
+from compas_cgc.rationalisation import read_design
+from compas_cgc.rationalisation.unwrapping import unwrapped
+
+
+def rolled(shape, m: int, n: int, around: bool = True, along: bool = False, poles: bool = False):
+    """Return the triangles of a surface over m by n squares of the unit square, closed or not."""
+    rows, columns = m + (not around), n + (not along)
+    s, t = np.meshgrid(np.arange(rows) / m, np.arange(columns) / n, indexing="ij")
+    vertices = np.stack(shape(s, t), axis=-1).reshape(-1, 3)
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))
+    corner = lambda a, b: (a % rows) * columns + b % columns  # noqa: E731
+    faces = np.concatenate(
+        [
+            np.column_stack([corner(i, j), corner(i + 1, j), corner(i + 1, j + 1)]),
+            np.column_stack([corner(i, j), corner(i + 1, j + 1), corner(i, j + 1)]),
+        ]
+    )
+    if poles:
+        for column in (0, n):
+            faces[np.isin(faces, [corner(a, column) for a in range(m)])] = corner(0, column)
+        faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    return vertices, faces
+
+
+def tower(s, t):
+    radius = 3.0 + 0.4 * np.cos(2.0 * t)
+    return radius * np.cos(2 * np.pi * s), radius * np.sin(2 * np.pi * s), 10.0 * t
+
+
+def ball(s, t):
+    radius, height = 4.0 * np.sin(np.pi * t), -3.0 * np.cos(np.pi * t)
+    return radius * np.cos(2 * np.pi * s), radius * np.sin(2 * np.pi * s), height
+
+
+def ring(s, t):
+    radius = 8.0 + 2.0 * np.cos(2 * np.pi * t)
+    return radius * np.cos(2 * np.pi * s), radius * np.sin(2 * np.pi * s), 2.0 * np.sin(2 * np.pi * t)
+
+
+def wall(s, t):
+    angle = 1.5 * np.pi * s
+    return 5.0 * np.cos(angle), 5.0 * np.sin(angle), 4.0 * t
+
+
+def egg(s, t):
+    x, y, z = ball(s, t)
+    return x, y, z * np.where(z > 0.0, 1.3, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "closed", "size"),
+    [
+        (rolled(tower, 48, 20), (True, False), (2 * np.pi * 3.16, 10.02)),
+        (rolled(wall, 40, 16, around=False), (False, False), (7.5 * np.pi, 4.0)),
+        (rolled(ring, 60, 24, along=True), (True, True), None),
+        (rolled(ball, 48, 32, poles=True), (True, False), None),
+    ],
+    ids=["tower", "wall", "ring", "ball"],
+)
+def test_a_smooth_surface_goes_through_the_vertices(mesh, closed, size):
+    vertices, faces = mesh
+    design = read_design(mesh)
+    assert design.surface.closed == closed and not design.trimmed
+    assert design.deviation < 2e-3 * design.surface.size
+    if size is not None:
+        assert np.allclose(np.sort(np.ptp(design.surface.domain, axis=1)), np.sort(size), rtol=0.02)
+    over = unwrapped(vertices, faces)
+    assert np.linalg.norm(design.surface.at(over.uv) - vertices[over.vertices], axis=1).max() < 2e-3 * design.surface.size
+    # The normals of the fitted surface are those of the faces.
+    centres = vertices[faces].mean(axis=1)
+    cross = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+    nearest = [int(np.argmin(np.linalg.norm(vertices[over.vertices] - centre, axis=1))) for centre in centres[::97]]
+    assert (np.einsum("fx,fx->f", design.surface.normals(over.uv[nearest]), cross[::97]) > 0.0).all()
+
+
+def test_curvature_at_a_pole_is_that_of_the_surface():
+    design = read_design(rolled(egg, 48, 48, poles=True), tolerance=1e-4)
+    low = design.surface.domain[:, 0]
+    near = low + np.ptp(design.surface.domain, axis=1) * np.column_stack([np.linspace(0.0, 0.9, 10), np.full(10, 0.02)])
+    # The lower half is an ellipsoid; at its pole both radii of curvature are a^2 / c.
+    assert np.allclose(design.surface.gaussian(near), (3.0 / 16.0) ** 2, rtol=0.1)
+
+
+def test_closed_designs_and_towers_are_rationalised():
+    for mesh, panel in ((rolled(tower, 48, 20), 2.5), (rolled(ball, 48, 32, poles=True), 3.0)):
+        found = compas_cgc.rationalise(mesh, panel=panel, edges=4, moulds=4)
+        assert found.result.converged and found.result.verdict.fair, found.result.message
+        assert found.distance.largest < 0.02 * found.design.surface.size
+
+
+def test_what_cannot_be_unwrapped_is_refused_with_the_cause():
+    vertices, faces = rolled(tower, 24, 8)
+    with pytest.raises(MeshError, match="several parts"):
+        read_design((np.concatenate([vertices, vertices + [20.0, 0.0, 0.0]]), np.concatenate([faces, faces + len(vertices)])))
+    corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    with pytest.raises(MeshError, match="too few faces|deviates"):
+        read_design((corners, quads))
