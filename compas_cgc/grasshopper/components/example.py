@@ -8,6 +8,7 @@ from typing import Optional
 
 from ...errors import CGCError
 from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...model.roles import FREE
 from ...paper.examples import SurfaceExample
 from ...paper.examples import examples_of
 from ..runtime.component_feedback import reports_errors
@@ -35,5 +36,10 @@ def example(component: Any, number: Optional[int], variant: Optional[str]) -> Ex
     chosen = examples_of(number, variant.strip() if variant else None)[0]
     assert isinstance(chosen, SurfaceExample)
     mesh, settings = chosen.build()
+    problem = mesh.to_problem()
+    real = problem.without_dummies()
+    if not (real.roles == FREE).any():
+        # Dummies outside supports have no effect on K; without them the default method recognises the supported boundary.
+        problem = real
     set_message(component, chosen.name)
-    return ExampleOutputs(mesh_from_arrays(*mesh.arrays()), WireMesh(mesh.to_problem()), settings, f"Example {number}: {chosen.title}")
+    return ExampleOutputs(mesh_from_arrays(real.vertices, real.faces), WireMesh(problem), settings, f"Example {number}: {chosen.title}")

@@ -7,9 +7,6 @@ import gc
 import threading
 import time
 from collections.abc import Callable
-from collections.abc import Iterator
-from contextlib import contextmanager
-from contextlib import suppress
 from typing import Any
 from typing import Generic
 from typing import Optional
@@ -69,6 +66,8 @@ class BackgroundTask(Generic[Result]):
         self._stop = threading.Event()
         self._deadline = 0.0  # time of the interruption, once the task is cancelled
         self._preview_taken = True
+        self._computing = False  # whether the thread can be interrupted
+        self._interrupting = False  # whether another thread is about to interrupt it
         self._wanted = wanted
         self._after = after
         self._thread = threading.Thread(target=self._run, args=(function,), daemon=True)
@@ -110,9 +109,12 @@ class BackgroundTask(Generic[Result]):
         if not self._stop.is_set():
             if not self._wanted():
                 self.cancel()
-        elif time.monotonic() > self._deadline and self._thread.ident is not None and not is_compiling(self._thread.ident):
+        elif time.monotonic() > self._deadline:
+            self._interrupting = True
             # Compilers are not interrupted, as they change the state of the process.
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread.ident), ctypes.py_object(Interrupted))
+            if self._computing and not is_compiling(self._thread.ident or 0):
+                _raise_in_thread(self._thread.ident, Interrupted)
+            self._interrupting = False
 
     def _report(self, progress: Progress) -> bool:
         self.progress = progress
@@ -123,48 +125,65 @@ class BackgroundTask(Generic[Result]):
         return self._stop.is_set()
 
     def _run(self, function: Callable[[Report], Any]) -> None:
-        with suppress(Interrupted):
-            if self._after is not None:
-                self._after.wait(None)
-                self._after = self._after if self._after.has_preview else None
-            if self._stop.is_set():
-                return
+        self._computing = True
+        try:
             try:
-                with _uncollected():
-                    self.result = function(self._report)
-            except Exception as error:  # shown on the canvas at the next poll
-                self.error = error
+                self._compute(function)
+            finally:
+                self._refuse_interruptions()
+        except Interrupted:  # also if it comes between the two lines above
+            self._refuse_interruptions()
+
+    def _compute(self, function: Callable[[Report], Any]) -> None:
+        if self._after is not None:
+            self._after.wait(None)
+            self._after = self._after if self._after.has_preview else None
+        if self._stop.is_set():
+            return
+        try:
+            self.result = function(self._report)
+        except Exception as error:  # shown on the canvas at the next poll
+            self.error = error
+
+    def _refuse_interruptions(self) -> None:
+        """Wait for an interruption that is on its way, so that it reaches neither the end of this thread nor another thread.
+
+        Identifiers of threads that have ended are used again. The two flags are a lock that an interruption cannot leave locked.
+        """
+        while True:
+            try:
+                self._computing = False
+                while self._interrupting:
+                    time.sleep(0.0)
+                _raise_in_thread(threading.get_ident(), None)
+                return
+            except Interrupted:
+                continue
+
+
+def _raise_in_thread(thread: Optional[int], error: Optional[type[BaseException]]) -> None:
+    """Raise an error at the next line of Python in a thread, or drop one that has not been raised yet if it is None."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread or 0), None if error is None else ctypes.py_object(error))
 
 
 _TASKS: list[BackgroundTask] = []
 _CHANGE = threading.Lock()
-_running = 0  # number of running functions
 _collects = True  # whether the garbage collector was enabled before
 
 
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """Disable the garbage collector while tasks run; a collection among the objects of large meshes blocks all threads."""
-    global _running, _collects
-    with _CHANGE:
-        _collects = gc.isenabled() if not _running else _collects
-        _running += 1
-        gc.disable()
-    try:
-        yield
-    finally:
-        with _CHANGE:
-            _running -= 1
-            if not _running and _collects:
-                gc.enable()
-
-
 def _watch(task: BackgroundTask) -> None:
-    """Check a task regularly until it ends."""
+    """Check a task regularly until it ends.
+
+    The garbage collector is disabled while tasks run, as a collection among the objects of large meshes blocks all threads. The
+    thread that checks the tasks enables it again, because nothing interrupts that thread.
+    """
+    global _collects
     with _CHANGE:
-        _TASKS.append(task)
-        if len(_TASKS) == 1:
+        if not _TASKS:
+            _collects = gc.isenabled()
+            gc.disable()
             threading.Thread(target=_check_all, daemon=True).start()
+        _TASKS.append(task)
 
 
 def _check_all() -> None:
@@ -174,6 +193,8 @@ def _check_all() -> None:
             _TASKS[:] = [task for task in _TASKS if task.running]
             tasks = list(_TASKS)
             if not tasks:
+                if _collects:
+                    gc.enable()
                 return
         for task in tasks:
             task.check()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import rhino3dm
 
-from compas_cgc.discrete import gaussian_curvature
+from compas_cgc import solve
 from compas_cgc.errors import FileError
 from compas_cgc.grasshopper.build.archive import chunk
 from compas_cgc.grasshopper.build.archive import definition_problems
@@ -27,6 +27,8 @@ from compas_cgc.grasshopper.build.definition.nodes import Hops
 from compas_cgc.grasshopper.build.definition.nodes import Panel
 from compas_cgc.grasshopper.build.definition.nodes import Script
 from compas_cgc.grasshopper.build.definition.nodes import Slider
+from compas_cgc.io import read_mesh
+from compas_cgc.model.measures import measured_curvature
 
 from ...support.gh_evaluator import Canvas
 from ...support.gh_stand_ins import BUNDLES
@@ -286,17 +288,18 @@ def test_nine_regions_by_hops_from_the_rhino_file(canvas, open_server):
     )
     values = opened.solution()
     assert opened.balloons("Error") == [] and "converged" in opened.panel(values, "info")[0]
-    K = gaussian_curvature(*arrays(opened.out(values, "CGC Solve", "Mesh")[0]))
+    surface = np.array(opened.out(values, "CGC Solve", "Mesh")[0].Vertices)
+    assert opened.panel(values, "largest error")[0] < 1e-7
+    drawn = read_mesh(ROOT / "examples" / "nine_regions.3dm")[0].to_problem()
     inside = np.abs(np.array(vertices)[:, :2] - thirds[4][:2]).max(axis=1) < (high - low)[0] / 6.5
-    assert K[inside] == pytest.approx(0.04, rel=1e-5)
+    K = measured_curvature(drawn.with_targets(0.04).with_vertices(surface), "mid-edge")[inside]
+    assert K == pytest.approx(0.04, rel=0.13), "read off five squares a side, of a third of the radius each"
+    K = [0.01] * 4 + [0.04] + [0.01] * 4
+    assert np.allclose(surface, solve(drawn.with_targets(dict(enumerate(K)))).vertices, atol=1e-9)
     assert opened.panel(values, "report")
 
 
 KINDS = (rhino3dm.Mesh, rhino3dm.Curve, rhino3dm.Point)
-
-
-def arrays(mesh):
-    return np.array(mesh.Vertices), np.array([face[:3] for face in mesh.Faces])
 
 
 # ----------------------------------------------------------------------

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import sys
+import threading
 import time
 import types
 from typing import Any
@@ -13,6 +15,7 @@ import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc import solve
+from compas_cgc.grasshopper.runtime import background
 from compas_cgc.grasshopper.runtime import runner as runner_module
 from compas_cgc.grasshopper.runtime.background import BackgroundTask
 from compas_cgc.grasshopper.runtime.component_feedback import reports_errors
@@ -179,6 +182,71 @@ def test_a_task_that_is_not_wanted_is_interrupted():
 
     task = BackgroundTask(forever, lambda: False)
     assert ends_within_a_second([task]) and task.result is None and task.error is None
+
+
+def test_a_task_that_has_ended_interrupts_no_thread_with_its_identifier():
+    task = BackgroundTask(lambda report: None)
+    task.cancel()
+    assert task.wait(PATIENCE)
+    time.sleep(background.GRACE + 4 * background.CHECK_INTERVAL)
+    stop, caught = threading.Event(), []
+
+    def innocent():
+        try:
+            while not stop.is_set():
+                pass
+        except BaseException as error:
+            caught.append(error)
+
+    threads = [threading.Thread(target=innocent, daemon=True) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    task.check()
+    time.sleep(0.05)
+    stop.set()
+    for thread in threads:
+        thread.join(PATIENCE)
+    assert not caught
+
+
+def test_an_interruption_at_the_end_of_a_task_leaves_the_garbage_collector_enabled():
+    begun, go = threading.Event(), threading.Event()
+
+    def function(report):
+        begun.set()
+        go.wait(PATIENCE)
+
+    assert gc.isenabled()
+    task = BackgroundTask(function)
+    assert begun.wait(PATIENCE) and not gc.isenabled()
+    task.cancel()
+    with background._CHANGE:  # holds whatever a task does at its end
+        go.set()
+        time.sleep(0.05)
+        task._deadline = 0.0
+        task.check()
+    assert task.wait(PATIENCE)
+    time.sleep(4 * background.CHECK_INTERVAL)
+    assert gc.isenabled()
+
+
+def test_interruptions_at_any_moment_stay_inside_the_task(monkeypatch):
+    monkeypatch.setattr(background, "GRACE", 0.0)
+    escaped = []
+    monkeypatch.setattr(threading, "excepthook", escaped.append)
+    for number in range(300):
+        end = time.perf_counter() + 1e-5 * (number % 30)
+
+        def function(report, end=end):
+            while time.perf_counter() < end:
+                pass
+
+        task = BackgroundTask(function)
+        task.cancel()
+        while task.running:
+            task.check()
+    time.sleep(4 * background.CHECK_INTERVAL)
+    assert not escaped and gc.isenabled()
 
 
 def test_escape_ends_the_wait(monkeypatch):
