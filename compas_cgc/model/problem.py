@@ -445,7 +445,8 @@ class CGCProblem:
     @property
     def real_faces(self) -> NDArray[np.bool_]:
         """Mask of the faces without dummy vertices (m,)."""
-        return ~(self.roles == DUMMY)[self.faces].any(axis=1)
+        a, b, c = (self.roles == DUMMY)[self.faces.T]
+        return ~(a | b | c)
 
     @property
     def target_scale(self) -> float:
