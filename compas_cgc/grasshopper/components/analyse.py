@@ -12,7 +12,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...scene.figures import FIGURES
 from ..runtime.colour_legend import check_figure
 from ..runtime.colour_legend import figure_colours
-from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.measured import measure
 from ..runtime.progress import Report
@@ -46,7 +46,7 @@ def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[
     """Measure a mesh; vertices without a value (on edges and creases) are null items in the lists."""
     offer_values(component, "show", FIGURES)
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh")
+        ask_for(component, "a CGC mesh")
         _RUNNER.reset(component)
         return AnalyseOutputs()
     figure = show.strip() if show else FIGURES[0]

@@ -15,7 +15,7 @@ from ...io.rhino.rhinocommon import polyline_to_rhino
 from ...model.problem import CGCProblem
 from ..runtime.bake import Bakery
 from ..runtime.bake import baking
-from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.measured import Measured
@@ -38,7 +38,7 @@ class BakeOutputs(NamedTuple):
 def bake(component: Any, cgc_mesh: Any, layer: Optional[str], bake: Optional[bool]) -> BakeOutputs:
     """Bake a mesh, its regions, creases and supports; replaces the objects that this branch baked earlier."""
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh")
+        ask_for(component, "a CGC mesh")
         return BakeOutputs()
     if not bake:
         set_message(component, "set bake to true")

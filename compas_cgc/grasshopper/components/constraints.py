@@ -18,8 +18,8 @@ from ...model.constraints import Height
 from ...model.constraints import Mirror
 from ...model.constraints import OnCurve
 from ...model.constraints import OnPlane
-from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.geometry import document_units
@@ -40,7 +40,7 @@ def constraints(
 ) -> ConstraintsOutputs:
     """Return constraints of the vertices at points, or of the vertices on the curve or plane if there are no points."""
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh")
+        ask_for(component, "a CGC mesh")
         return ConstraintsOutputs(None)
     # Vertex indices of constraints include dummy vertices.
     vertices = cgc_mesh.to_problem().vertices

@@ -14,7 +14,7 @@ from ...io import read_mesh
 from ...io import write as write_file
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ..runtime.component_feedback import add_remark
-from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.paths import file_path
@@ -41,7 +41,7 @@ class Write3dmOutputs(NamedTuple):
 def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read3dmOutputs:
     """Read a mesh with its supports, creases, targets and goals from a .3dm file or another mesh format."""
     if not path:
-        add_warning(component, "connect the path of a file")
+        ask_for(component, "the path of a file")
         return Read3dmOutputs(None, None, None)
     crease = "split" if split else "trace"
     mesh, notes = _read_text(path) if "\n" in path.strip() else read_mesh(file_path(component, path), crease=crease)
@@ -66,7 +66,7 @@ def _read_text(text: str) -> tuple[CGCMesh, list[str]]:
 def write_3dm(component: Any, path: Optional[str], cgc_mesh: Any, write: Optional[bool]) -> Write3dmOutputs:
     """Write a mesh with its supports, creases, targets and goals if `write` is true."""
     if not path or cgc_mesh is None:
-        add_warning(component, "connect the path of a file and a CGC mesh")
+        ask_for(component, "the path of a file and a CGC mesh")
         return Write3dmOutputs(None)
     if not write:
         set_message(component, "set write to true")

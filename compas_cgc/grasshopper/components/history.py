@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 from typing import NamedTuple
 
-from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 
@@ -26,7 +26,7 @@ class HistoryOutputs(NamedTuple):
 def history(component: Any, result: Any) -> HistoryOutputs:
     """Return the values of every step, for a graph."""
     if result is None:
-        add_warning(component, "connect the result of Solve")
+        ask_for(component, "the result of Solve")
         return HistoryOutputs(*[None] * len(HistoryOutputs._fields))
     rows = result.history.to_dict()
     steps = list(range(1, len(rows["energy"]) + 1))

@@ -15,7 +15,7 @@ from ...io.forces import write_forces
 from ...io.rhino.colours import signed_colours
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import polyline_to_rhino
-from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.paths import file_path
 from ..runtime.progress import Report
@@ -48,7 +48,7 @@ def membrane(
 ) -> MembraneOutputs:
     """Compute the forces under pressure and self-weight, and write them if `write` is true."""
     if cgc_mesh is None:
-        add_warning(component, "connect a solved CGC mesh")
+        ask_for(component, "a solved CGC mesh")
         _RUNNER.reset(component)
         return MembraneOutputs()
     file = file_path(component, path) if path and write else None

@@ -12,8 +12,8 @@ from ...io.rhino.rhinocommon import problem_from_rhino
 from ...io.rhino.rhinocommon import problem_from_surfaces
 from ...meshing.boundary import SUPPORT_NAMES
 from ...model.checks import check
-from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.geometry import document_units
 from ..runtime.progress import Report
@@ -54,7 +54,7 @@ def cgc_mesh(
     """Return a mesh with supports and creases; without points, the whole boundary is fixed."""
     offer_values(component, "fix", FIX)
     if mesh is None and not as_list(surfaces):
-        add_warning(component, "connect a mesh; or surfaces or closed curves with an edge length")
+        ask_for(component, "a mesh; or surfaces or closed curves with an edge length")
         _RUNNER.reset(component)
         return CGCMeshOutputs()
     given = (mesh, as_list(surfaces), edge_length, as_list(supports), as_list(creases))

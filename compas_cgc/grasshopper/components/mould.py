@@ -15,8 +15,8 @@ from ...fabrication.mould_surface import cap_mesh
 from ...io.rhino.rhinocommon import curve_to_points
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...model.problem import CGCProblem
-from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.geometry import document_units
 from ..runtime.progress import Report
@@ -61,7 +61,7 @@ def mould(
 ) -> MouldOutputs:
     """Divide a surface into panels, and place them on one mould per curvature."""
     if cgc_mesh is None:
-        add_warning(component, "connect a solved CGC mesh")
+        ask_for(component, "a solved CGC mesh")
         _RUNNER.reset(component)
         return MouldOutputs()
     tolerance, _ = document_units()

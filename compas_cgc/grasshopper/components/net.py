@@ -11,8 +11,8 @@ from ...fabrication import curve_net
 from ...io.rhino.rhinocommon import points_to_array
 from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
-from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.progress import Report
 from ..runtime.runner import Finished
@@ -39,7 +39,7 @@ _RUNNER = Runner(NetOutputs(), "tracing")
 def net(component: Any, cgc_mesh: Any, spacing: Optional[float], through: Any) -> NetOutputs:
     """Trace lines of curvature, an asymptotic net or rulings, depending on K."""
     if cgc_mesh is None:
-        add_warning(component, "connect a solved CGC mesh")
+        ask_for(component, "a solved CGC mesh")
         _RUNNER.reset(component)
         return NetOutputs()
     points = points_to_array(as_list(through))

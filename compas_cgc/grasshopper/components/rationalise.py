@@ -22,8 +22,8 @@ from ...rationalisation import Rationalised
 from ...rationalisation import rationalise as rationalise_design
 from ...rationalisation.run import Progress as Round
 from ..runtime.component_feedback import add_error
-from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.geometry import document_units
 from ..runtime.headless import is_headless
@@ -70,7 +70,7 @@ def rationalise(
 ) -> RationaliseOutputs:
     """Find the nearest surface in the background if `run` is true and the inputs are new."""
     if design is None:
-        add_warning(component, "connect a design: a mesh, a CGC mesh, or the path of a file")
+        ask_for(component, "a design: a mesh, a CGC mesh, or the path of a file")
         return _RUNNER.pause(component)
     tolerance, _ = document_units()
     numbers = [float(value) for value in as_list(moulds)]

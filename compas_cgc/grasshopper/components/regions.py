@@ -13,7 +13,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
 from ...meshing import boundary_loops
-from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.progress import Report
 from ..runtime.runner import Finished
@@ -44,7 +44,7 @@ _RUNNER = Runner(RegionsOutputs(), "splitting")
 def regions(component: Any, cgc_mesh: Any) -> RegionsOutputs:
     """Split a mesh into regions, creases, open edges and supports."""
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh")
+        ask_for(component, "a CGC mesh")
         _RUNNER.reset(component)
         return RegionsOutputs()
 

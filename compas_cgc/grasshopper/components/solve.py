@@ -23,8 +23,8 @@ from ..runtime.address import Address
 from ..runtime.colour_legend import check_figure
 from ..runtime.colour_legend import figure_colours
 from ..runtime.component_feedback import add_error
-from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.headless import is_headless
@@ -80,7 +80,7 @@ def solve(
         set_message(component, "reset")
         return SolveOutputs()
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh")
+        ask_for(component, "a CGC mesh")
         return _RUNNER.pause(component)
     figure = show.strip() if show else FIGURES[0]
     check_figure(figure)

@@ -12,6 +12,7 @@ from ...study import Results
 from ...study import pareto_front
 from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.paths import file_path
@@ -35,7 +36,7 @@ class StudyOutputs(NamedTuple):
 def study(component: Any, path: Optional[str], number: Optional[int], column: Optional[str]) -> StudyOutputs:
     """Show a variant of a study with its row, a column of all variants, and the Pareto-optimal variants."""
     if not path:
-        add_warning(component, "connect the output folder of compas-cgc study")
+        ask_for(component, "the output folder of compas-cgc study")
         return StudyOutputs(*[None] * len(StudyOutputs._fields))
     results = Results(file_path(component, path))
     total = len(results.study.variants)

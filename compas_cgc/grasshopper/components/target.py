@@ -15,6 +15,7 @@ from ...meshing.point_location import face_at
 from ...model.problem import CGCProblem
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.component_feedback import with_nulls
@@ -33,7 +34,7 @@ class TargetOutputs(NamedTuple):
 def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any, law: Any = None, radius: Any = None) -> TargetOutputs:
     """Set target curvatures or laws of all regions, of regions by number, or of the regions at points."""
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh")
+        ask_for(component, "a CGC mesh")
         return TargetOutputs(None)
     values, laws = with_nulls(K), with_nulls(law)
     if as_list(radius):

@@ -17,7 +17,7 @@ from ...io.patterns import write_patterns
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
-from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.paths import file_path
 from ..runtime.progress import Report
@@ -64,7 +64,7 @@ def unroll(
 ) -> UnrollOutputs:
     """Unroll a solved surface on sheets, and write them if `write` is true."""
     if cgc_mesh is None:
-        add_warning(component, "connect a solved CGC mesh")
+        ask_for(component, "a solved CGC mesh")
         _RUNNER.reset(component)
         return UnrollOutputs()
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ...errors import ProblemError
+from .headless import is_headless
 from .wires import check_wires
 from .wires import single
 
@@ -17,6 +18,7 @@ __all__ = [
     "add_remark",
     "add_warning",
     "as_list",
+    "ask_for",
     "reports_errors",
     "run_again",
     "run_later",
@@ -44,6 +46,11 @@ def add_warning(component: Any, text: str) -> None:
 def add_error(component: Any, text: str) -> None:
     """Put a red balloon on a component."""
     add_balloon(component, "Error", text)
+
+
+def ask_for(component: Any, text: str) -> None:
+    """Request an input that is not connected: orange while somebody builds the definition, red in headless documents."""
+    add_balloon(component, "Error" if is_headless(component) else "Warning", f"connect {text}")
 
 
 def run_later(component: Any, milliseconds: int, callback: Callable[[], object]) -> None:

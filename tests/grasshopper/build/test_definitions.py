@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import types
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 from pathlib import Path
@@ -131,10 +133,11 @@ def canvas(rhino, tmp_path):  # noqa: F811
 @each
 def test_an_opened_definition_waits_without_complaint(definition, canvas):
     opened = canvas(definition.name)
-    values = opened.settle()
+    opened.settle()
     assert opened.balloons("Error") == []
     if definition.rhino >= 8:
-        assert opened.out(values, "Solve", "status") in (["waiting"], [])
+        waits = [placed.component.Message for placed in opened.scripts.values() if placed.component.Message == "set run to true"]
+        assert waits or definition.name == "own_mesh"
 
 
 def test_a_mesh_inside_the_definition_is_solved_without_a_document(canvas):
@@ -226,7 +229,7 @@ def test_laths_at_a_spacing_and_lines_of_curvature(canvas):
 
 def test_two_strategies_give_two_surfaces_side_by_side(canvas):
     opened = canvas("two_strategies")
-    opened.set.update({"run": [True], "curvature K": [1.0]})
+    opened.set["run"] = [True]
     values = opened.settle()
     assert [opened.out(values, "Solve", "status", n) for n in (0, 1)] == [["converged"], ["converged"]]
     first, second = (np.array(opened.out(values, "Analyse", "mesh", n)[0].Vertices) for n in (0, 1))
@@ -241,6 +244,34 @@ def test_a_mesh_of_ones_own(canvas):
     values = opened.settle()
     assert opened.out(values, "Solve", "status") == ["converged"] and len(opened.out(values, "Regions", "supports")) == 4
     assert opened.panel(values, "problems") == []
+
+
+def test_a_freeform_roof_gets_panels_from_few_moulds(canvas):
+    opened = canvas("rationalise")
+    opened.set["run"] = [True]
+    values = opened.settle()
+    assert not opened.balloons("Error") and "24 panels on 3 moulds" in "".join(opened.panel(values, "report"))
+    assert len(opened.panel(values, "K of the moulds")) == 3 and len(opened.panel(values, "mould of each panel")) == 24
+    assert np.abs(opened.out(values, "Rationalise", "distance")).max() < 0.02
+
+
+# ----------------------------------------------------------------------
+# Without anybody who looks
+# ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("definition", [one for one in EXAMPLES if one.rhino >= 8], ids=lambda one: one.name)
+def test_one_headless_solution_gives_a_surface_or_the_cause(definition, canvas, monkeypatch):
+    monkeypatch.setattr(sys.modules["Rhino"], "RhinoApp", types.SimpleNamespace(IsRunningHeadless=True), raising=False)
+    opened = canvas(definition.name)
+    values = opened.solution()
+    causes = {"own_mesh": "connect a mesh"}
+    assert any(causes.get(definition.name, "run is False") in cause for cause in opened.balloons("Error"))
+    opened.set.update({"run": [True], **({"Mesh": [square()]} if definition.name == "own_mesh" else {})})
+    values = opened.solution()
+    surface = "Rationalise" if definition.name == "rationalise" else "Solve"
+    (mesh,) = opened.out(values, surface, "mesh")
+    assert max(point.Z for point in mesh.Vertices) > 0.05 and not opened.balloons("Error") and not opened.document.scheduled
 
 
 # ----------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from .nodes import Button
@@ -194,7 +195,7 @@ TWO_STRATEGIES = Definition(
     (
         *_headline("S1 and S2 side by side", "Creases move by a factor s (left), or wait for some steps and then move fully (right)."),
         Panel("number", "example", "4", size=(60, 40)),
-        Slider("K", "curvature K", 4.0, 0.5, 4.0, 2),
+        Slider("K", "curvature K", 1.0, 0.5, 4.0, 2),
         Slider("s", "S1: factor s", 0.5, 0.0, 1.0, 2),
         Slider("delay", "S2: delay in steps", 5, 1, 20, 0),
         Script("example", "CGC_Example", {"number": "number"}, hidden=True),
@@ -242,18 +243,36 @@ OWN_MESH = Definition(
 )
 
 
-def _vault(columns: int = 12, rows: int = 8, width: float = 12.0, depth: float = 8.0, rise: float = 2.0) -> str:
-    """Return a barrel vault supported along its two long sides, as the text of an .obj file."""
+def _obj(title: str, columns: int, rows: int, width: float, depth: float, height: Callable[[float, float], float], ends: str) -> str:
+    """Return a roof over a rectangle, supported along its long sides or at its corners, as the text of an .obj file.
+
+    Parameters
+    ----------
+    height
+        Height [L] at a place in the unit square.
+    ends
+        ``sides`` or ``corners``.
+    """
     places = [(i, j) for i in range(columns + 1) for j in range(rows + 1)]
     number = {place: k + 1 for k, place in enumerate(places)}
-    lines = ["# A vault on its two long sides"]
-    lines += [f"v {width * i / columns:g} {depth * j / rows:g} {rise * 4 * j * (rows - j) / rows**2:g}" for i, j in places]
+    lines = [f"# {title}"]
+    lines += [f"v {width * i / columns:g} {depth * j / rows:g} {height(i / columns, j / rows):.6g}" for i, j in places]
     for i, j in places:
         if i < columns and j < rows:
             a, b, c, d = (number[i + x, j + y] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
             lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
-    lines += [f"p {number[i, j]}" for i in range(columns + 1) for j in (0, rows)]
+    held = range(columns + 1) if ends == "sides" else (0, columns)
+    lines += [f"p {number[i, j]}" for i in held for j in (0, rows)]
     return "\n".join(lines)
+
+
+VAULT = _obj("A vault on its two long sides", 12, 8, 12.0, 8.0, lambda u, v: 8.0 * v * (1.0 - v), "sides")
+FREEFORM = _obj(
+    "A freeform roof on its corners",
+    *(18, 12, 12.0, 8.0),
+    lambda u, v: 6.0 * u * (1.0 - u) + 5.0 * v * (1.0 - v) + 1.5 * u * v * (1.0 - u),
+    "corners",
+)
 
 
 MESH_INSIDE = Definition(
@@ -266,7 +285,7 @@ MESH_INSIDE = Definition(
             "1  Set run to True.   2  Move K.\n"
             "3  Paste the text of your own .obj file into the panel: v and f lines, p for fixed vertices, l for creases.",
         ),
-        Panel("text", "mesh as .obj", _vault(), size=(200, 230), whole=True),
+        Panel("text", "mesh as .obj", VAULT, size=(200, 230), whole=True),
         Script("read", "CGC_Read3dm", {"path": "text"}, hidden=True),
         Slider("K", "curvature K", 0.01, -0.05, 0.05, 3),
         Script("target", "CGC_Target", {"cgc_mesh": "read.cgc_mesh", "K": "K"}),
@@ -279,6 +298,31 @@ MESH_INSIDE = Definition(
         Script("regions", "CGC_Regions", {"cgc_mesh": "solve.cgc_mesh"}, hidden=True),
         Script("bake", "CGC_Bake", {"cgc_mesh": "solve.cgc_mesh", "bake": "press"}),
         Button("press", "bake"),
+    ),
+)
+
+RATIONALISE = Definition(
+    "rationalise",
+    "A freeform roof from few moulds",
+    "A freeform roof stored in the definition becomes the nearest surface whose panels come off few moulds.",
+    (
+        *_headline(
+            "A freeform roof from few moulds",
+            "1  Set run to True.   2  Choose the width of the panels and the number of moulds.\n"
+            "3  Paste the text of your own .obj file into the panel, or connect a Mesh parameter to design.",
+        ),
+        Panel("text", "design as .obj", FREEFORM, size=(200, 230), whole=True),
+        Script("read", "CGC_Read3dm", {"path": "text"}, hidden=True),
+        Slider("panel", "width of panels", 2.0, 1.0, 4.0, 1),
+        Slider("moulds", "number of moulds", 3, 1, 8, 0),
+        Toggle("run", "run"),
+        Script("rationalise", "CGC_Rationalise", {"design": "read.cgc_mesh", "panel": "panel", "moulds": "moulds", "run": "run"}),
+        Panel("curvatures", "K of the moulds", source="rationalise.curvatures", size=(160, 80)),
+        Panel("classes", "mould of each panel", source="rationalise.classes", size=(120, 150)),
+        Panel("report", "report", source="rationalise.report", size=(520, 190)),
+        Script("bake", "CGC_Bake", {"cgc_mesh": "rationalise.cgc_mesh", "bake": "press"}),
+        Button("press", "bake"),
+        Group("ask", "inputs", ("text", "read", "panel", "moulds", "run")),
     ),
 )
 
@@ -331,5 +375,5 @@ def _with_install(definition: Definition) -> Definition:
     return replace(definition, nodes=(title, steps, INSTALL, *nodes))
 
 
-_COMPONENTS = (FIRST_DOME, NINE_REGIONS, MOULDS, FLAT_PATTERNS, FORCES, LATHS, TWO_STRATEGIES, OWN_MESH, MESH_INSIDE)
+_COMPONENTS = (FIRST_DOME, NINE_REGIONS, MOULDS, FLAT_PATTERNS, FORCES, LATHS, TWO_STRATEGIES, OWN_MESH, MESH_INSIDE, RATIONALISE)
 EXAMPLES = (*map(_with_install, _COMPONENTS), HOPS_DOME, HOPS_REGIONS)
