@@ -62,6 +62,8 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         help="merge points closer than this, in model units (default: the tolerance of a .3dm, else coincident points)",
     )
     group.add_argument("--mesh", metavar="NAME", help="name of the mesh in a COMPAS .json that holds several")
+    text = "give parts that meet in a point, or at an edge of more than two faces, vertices of their own"
+    group.add_argument("--manifold", action="store_true", help=text)
 
 
 def add_supports(parser: argparse.ArgumentParser) -> None:
@@ -114,6 +116,7 @@ def _reading(arguments: argparse.Namespace) -> dict[str, Any]:
         "tolerance": arguments.weld,
         "edge_length": arguments.edge_length,
         "mesh": arguments.mesh,
+        "manifold": arguments.manifold,
     }
 
 

@@ -14,12 +14,15 @@ from ..discrete.arrays import IntArray
 from ..discrete.topology import boundary_vertices
 from ..errors import FileError
 from ..errors import MeshError
+from ..meshing import Diagnostic
+from ..meshing.cleanup import Omission
 from ..meshing.cleanup import Tidy
 from ..meshing.cleanup import mean_edge
 from ..meshing.cleanup import tidy
 from ..model.problem import CGCProblem
 from ..model.problem import Drawing
 from .reading import ReadProblem
+from .rhino.snapping import snap_distance
 
 __all__ = ["check_mesh", "clean_problem"]
 
@@ -76,7 +79,8 @@ def clean_problem(
         clean = tidy(vertices, faces, tolerance)
     except MeshError as error:
         raise FileError(f"{source}: {error}") from None
-    index = _places(vertices, clean.vertices, clean.index)
+    reach = snap_distance(clean.vertices, clean.faces, tolerance)
+    index = _places(vertices, clean.vertices, clean.index, reach)
     K = np.full(len(clean.vertices), np.nan)
     if targets is not None:
         known = (index >= 0) & ~np.isnan(targets)
@@ -85,7 +89,7 @@ def clean_problem(
     on = _follow(paths, clean.faces)
     said = [*notes, *clean.notes, *_precision_notes(clean, single), *_gap_notes(clean)]
     if not all(on):
-        said.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were ignored")
+        said.append(Omission(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were ignored"))
     problem = CGCProblem(
         clean.vertices,
         clean.faces,
@@ -94,7 +98,23 @@ def clean_problem(
         drawing=Drawing(source.stem),
     )
     fixed = {int(index[v]) for v in supports if index[v] >= 0}
-    return ReadProblem(problem.with_supports(sorted(fixed)), tuple(said))
+    return ReadProblem(problem.with_supports(sorted(fixed)), tuple(said), _far_supports(vertices[list(supports)], clean.vertices, reach))
+
+
+def _far_supports(places: FloatArray, vertices: FloatArray, reach: float) -> tuple[Diagnostic, ...]:
+    """Return the fault of supports (k, 3) farther from all vertices (n, 3) than a distance [L]."""
+    if not len(places):
+        return ()
+    distance = cKDTree(vertices).query(places)[0]
+    far = int(np.count_nonzero(distance > reach))
+    if not far:
+        return ()
+    worst = int(np.argmax(distance))
+    where = ", ".join(f"{x:.6g}" for x in places[worst].tolist())
+    which = f"{far} supports are not at vertices" if far > 1 else "1 support is not at a vertex"
+    return (
+        Diagnostic(f"{which} of the mesh; the farthest, at ({where}), is {distance[worst]:.3g} away: move it to a vertex, or remove it"),
+    )
 
 
 def _precision_notes(clean: Tidy, single: bool) -> list[str]:
@@ -160,12 +180,12 @@ def _follow(paths: list[list[int]], faces: IntArray) -> list[bool]:
     return [len(own) > 1 and bad == 0 for own, bad in zip(paths, wrong.tolist())]
 
 
-def _places(old: FloatArray, new: FloatArray, index: IntArray) -> IntArray:
-    """Return the new index of every old vertex. Vertices without faces, as used for points and lines, are matched by position."""
-    lost = np.flatnonzero(index < 0)
-    if not len(lost):
+def _places(old: FloatArray, new: FloatArray, index: IntArray, reach: float) -> IntArray:
+    """Return the new index of every old vertex. Vertices without faces, as of points and lines, take the nearest within `reach` [L]."""
+    alone = np.flatnonzero(index < 0)
+    if not len(alone):
         return index
-    at = {place: i for i, place in enumerate(map(tuple, new.tolist()))}
+    distance, nearest = cKDTree(new).query(old[alone])
     index = index.copy()
-    index[lost] = [at.get(tuple(place), -1) for place in old[lost].tolist()]
+    index[alone] = np.where(distance <= reach, nearest, -1)
     return index

@@ -12,6 +12,7 @@ from typing import Optional
 import numpy as np
 
 from ..errors import FileError
+from ..meshing.cleanup import Omission
 from ..model.problem import PosesProblem
 from .cleanup import check_mesh
 from .cursor import Cursor
@@ -73,7 +74,7 @@ def read_json(path: Path, name: Optional[str] = None) -> tuple[CGCMesh, list[str
         raise FileError(f"{path}: {error}; set the goals again (mesh.set_goals)") from None
     left = [f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(Counter(others).items())]
     left += [f"the mesh {other!r}" for other, _ in meshes if other != key]
-    return mesh, [f"beside the mesh the file holds {', '.join(left)}, which was not read"] if left else []
+    return mesh, [Omission(f"beside the mesh the file holds {', '.join(left)}, which was not read")] if left else []
 
 
 def _found_in(value: Any) -> tuple[list[tuple[str, dict]], list[str]]:

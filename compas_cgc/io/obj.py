@@ -9,6 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ..errors import FileError
+from ..meshing.cleanup import Omission
 from ..model.problem import CGCProblem
 from .cleanup import clean_problem
 from .cursor import Cursor
@@ -61,7 +62,7 @@ def read_obj(path: Path, tolerance: float = 0.0) -> ReadProblem:
                 found = _TARGET.search(line)
                 K = number_of(found[1]) if found else None
             elif word in _FREE_FORM and not notes:
-                notes.append(f"free-form geometry ({word}) was left out; mesh it before the export")
+                notes.append(Omission(f"free-form geometry ({word}) was left out; mesh it before the export"))
             elif word[0] in "+-.0123456789":
                 raise ValueError("a statement begins with a word such as v or f")
         except ValueError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from collections.abc import Mapping
 from importlib import import_module
@@ -14,6 +15,8 @@ from typing import cast
 
 from ..errors import FileError
 from ..errors import names_what_was_meant
+from ..meshing.cleanup import Omission
+from ..model.manifold import as_manifold
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from ._files import written
@@ -46,6 +49,7 @@ def read_problem(
     edge_length: Optional[float] = None,
     mesh: Optional[str] = None,
     result: bool = False,
+    manifold: bool = False,
 ) -> ReadProblem:
     """Read a mesh with its supports, creases, targets and goals.
 
@@ -64,6 +68,8 @@ def read_problem(
         Name of the mesh in a COMPAS .json file that holds several.
     result
         Whether to read the result in a .3dm file instead of the drawing.
+    manifold
+        Whether to give parts that meet in a point, or at an edge of more than two faces, vertices of their own.
 
     Returns
     -------
@@ -88,15 +94,24 @@ def read_problem(
         if suffix == ".3dm":
             from .rhino.read import read_3dm
 
-            return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, result=result)
-        if suffix == ".json":
-            found, notes = read_json(source, mesh)
-            return ReadProblem(found.to_problem(), tuple(notes))
-        if suffix == ".dxf":
+            found = read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, result=result)
+        elif suffix == ".json":
+            drawn, notes = read_json(source, mesh)
+            found = ReadProblem(drawn.to_problem(), tuple(notes))
+        elif suffix == ".dxf":
             from .plans.problem import read_dxf
 
-            return read_dxf(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
-        return _function("read_{}", suffix)(source, tolerance or 0.0)
+            found = read_dxf(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
+        else:
+            found = _function("read_{}", suffix)(source, tolerance or 0.0)
+        return _split(found) if manifold else found
+
+
+def _split(found: ReadProblem) -> ReadProblem:
+    problem = as_manifold(found.problem)
+    added = len(problem.vertices) - len(found.problem.vertices)
+    note = [f"{added} {'vertices were' if added > 1 else 'vertex was'} added where several parts of the mesh met"] if added else []
+    return found._replace(problem=problem, notes=(*found.notes, *note))
 
 
 @names_what_was_meant()
@@ -108,6 +123,7 @@ def read_mesh(
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
     mesh: Optional[str] = None,
+    manifold: bool = False,
 ) -> tuple[CGCMesh, list[str]]:
     """Read a mesh and notes on its contents, see :func:`read_problem`.
 
@@ -115,7 +131,7 @@ def read_mesh(
     ----------
     path
         A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
-    layers, crease, tolerance, edge_length, mesh
+    layers, crease, tolerance, edge_length, mesh, manifold
         See :func:`read_problem`.
 
     Returns
@@ -139,9 +155,9 @@ def read_mesh(
     """
     from ..datastructures import CGCMesh
 
-    if _suffix_among(path, READ_SUFFIXES) == ".json":
+    if _suffix_among(path, READ_SUFFIXES) == ".json" and not manifold:
         return read_json(Path(path), mesh)
-    found = read_problem(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
+    found = read_problem(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, mesh=mesh, manifold=manifold)
     return CGCMesh.from_problem(found.checked()), list(found.notes)
 
 
@@ -154,14 +170,17 @@ def read(
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
     mesh: Optional[str] = None,
+    manifold: bool = False,
 ) -> CGCMesh:
     """Read a mesh with supports, creases, targets and goals, see :func:`read_mesh`.
+
+    A warning names what was left out.
 
     Parameters
     ----------
     path
         A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
-    layers, crease, tolerance, edge_length, mesh
+    layers, crease, tolerance, edge_length, mesh, manifold
         See :func:`read_problem`.
 
     Returns
@@ -176,7 +195,11 @@ def read(
     >>> mesh.number_of_faces(), mesh.region_target(4)
     (450, 0.04)
     """
-    return read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, mesh=mesh)[0]
+    made, notes = read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, mesh=mesh, manifold=manifold)
+    for note in notes:
+        if isinstance(note, Omission):
+            warnings.warn(f"{os.fspath(path)}: {note}", stacklevel=3)
+    return made
 
 
 @names_what_was_meant()

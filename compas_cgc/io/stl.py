@@ -10,6 +10,7 @@ import numpy as np
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..errors import FileError
+from ..meshing.cleanup import Omission
 from ..model.problem import CGCProblem
 from .cleanup import clean_problem
 from .cursor import Cursor
@@ -40,7 +41,7 @@ def read_stl(path: Path, tolerance: float = 0.0) -> ReadProblem:
     if rest == 0 or (count > 0 and rest > 0 and rest % _RECORD.itemsize and not is_text):
         with np.errstate(invalid="ignore"):  # signalling NaN
             corners = np.frombuffer(data, dtype=_RECORD, count=count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
-        notes = (f"{rest} bytes after the last of the {count} triangles were ignored",) if rest else ()
+        notes = (Omission(f"{rest} bytes after the last of the {count} triangles were ignored"),) if rest else ()
     elif is_text:
         corners = _text_corners(path, data)
     elif count > 0:

@@ -12,8 +12,12 @@ from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import names_what_was_meant
+from .splitting import corner_fans
 
 __all__ = ["Diagnostic", "listed", "mesh_problems"]
+
+
+_SPLIT = "give each part vertices of its own (read the file with manifold=True, or --manifold)"
 
 
 class Diagnostic(str):
@@ -114,7 +118,8 @@ def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray
     many = edge[count > 2]
     if len(many):
         ends = np.column_stack([vertex_names[many // n], vertex_names[many % n]])
-        return [Diagnostic(f"edges {listed(ends)} belong to more than two faces, so the mesh is not manifold; remove the extra faces")]
+        text = f"edges {listed(ends)} belong to more than two faces, so the mesh is not manifold; remove the extra faces, or {_SPLIT}"
+        return [Diagnostic(text)]
 
     first, second = order[start[count == 2]], order[start[count == 2] + 1]
     a, b, same = owner[first], owner[second], u[first] == u[second]
@@ -131,7 +136,7 @@ def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray
         problems.append(
             Diagnostic(f"{_against(side[:m], piece, face_names)} are oriented against their neighbours; unify them (mesh.unify())")
         )
-    problems += _fan_problems(F, n, owner, u, vertex_names)
+    problems += _fan_problems(F, n, vertex_names)
     if pieces > 1:
         problems.append(Diagnostic(f"the mesh has {pieces} separate pieces, which are solved independently", fatal=False))
     return problems
@@ -147,29 +152,13 @@ def _against(side: CSRIndices, piece: CSRIndices, names: IntArray) -> str:
     return f"faces {listed(names[wrong])}"
 
 
-def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntArray) -> list[Diagnostic]:
+def _fan_problems(F: IntArray, n: int, names: IntArray) -> list[Diagnostic]:
     """Return the fault of vertices at which several fans of faces touch."""
-    m = len(F)
-    corner = np.arange(3 * m)
-    v = np.roll(F, -1, axis=1).ravel()
-    after = corner - corner % 3 + (corner + 1) % 3
-    # Every edge joins the corners of its two faces at both ends; each fan is one component.
-    ends = np.concatenate([u, v])
-    others = np.concatenate([v, u])
-    at = np.concatenate([corner, after])
-    code = ends * n + others
-    order = np.argsort(code, kind="stable")
-    same = code[order[1:]] == code[order[:-1]]
-    i, j = at[order[:-1][same]], at[order[1:][same]]
-    _, fan = connected_components(sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(3 * m, 3 * m)), directed=False)
+    fan = corner_fans(F)
     at_vertex = np.empty(fan.max() + 1, np.int64)
     at_vertex[fan] = F.ravel()
     fans = np.bincount(at_vertex, minlength=n)
     if (fans > 1).any():
         touching = names[np.flatnonzero(fans > 1)]
-        return [
-            Diagnostic(
-                f"at vertices {listed(touching)} parts of the mesh touch in a point, so it is not manifold; give each its own vertex"
-            )
-        ]
+        return [Diagnostic(f"at vertices {listed(touching)} parts of the mesh touch in a point, so it is not manifold; {_SPLIT}")]
     return []

@@ -17,9 +17,13 @@ from .weld import clean_faces
 from .weld import split_quads
 from .weld import weld
 
-__all__ = ["Tidy", "mean_edge", "quad_array", "tidy"]
+__all__ = ["Omission", "Tidy", "mean_edge", "quad_array", "tidy"]
 
 VERTICES, FACES = ("vertex", "vertices"), ("face", "faces")
+
+
+class Omission(str):
+    """A note on contents of a file that were left out."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +79,7 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     if cleaned.degenerate:
         notes.append(_note(cleaned.degenerate, FACES, "removed", "with fewer than three different corners"))
     if cleaned.duplicate:
-        notes.append(_note(cleaned.duplicate, ("duplicate face", "duplicate faces"), "removed"))
+        notes.append(Omission(_note(cleaned.duplicate, ("duplicate face", "duplicate faces"), "removed")))
     if not len(cleaned.faces):
         raise MeshError("the mesh has no face with three different corners; check the unit and the tolerance of the file")
     kept = np.zeros(len(welded.vertices), bool)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import warnings
 
 import numpy as np
 import pytest
 
+from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
+from compas_cgc.io import read
 from compas_cgc.io import read_problem
+from compas_cgc.model.checks import check
 from tests.support.shapes import grid
 
 POINTS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.5, 0.5, 1)]
@@ -229,3 +233,48 @@ def test_a_mesh_among_other_objects_is_found_and_named(loaded):
         loaded("a.json", two, mesh="wall")
     with pytest.raises(FileError, match="holds NurbsCurve and no mesh"):
         loaded("a.json", json.dumps([curve]))
+
+
+def test_supports_away_from_the_mesh_are_refused(loaded):
+    text = TRIANGLE + "v 0 0 1e-12\nv 5 5 0\nf 1 2 3\np 4\n"
+    near, far = loaded("a.obj", text), loaded("a.obj", text + "p 5\n")
+    assert near.problem.supports.tolist() == [0] and not near.diagnostics
+    with pytest.raises(CGCError, match=r"1 support is not at a vertex of the mesh; the farthest, at \(5, 5, 0\), is 6.4 away"):
+        far.checked()
+
+
+def test_a_warning_names_what_was_left_out(tmp_path):
+    (path := tmp_path / "a.obj").write_text(TRIANGLE + "v 0 0 1\nf 1 2 3\nf 3 1 2\nf 1 3 4\n")
+    with pytest.warns(UserWarning, match="a.obj: 1 duplicate face was removed") as found:
+        read(path)
+    assert len(found) == 1 and found[0].filename == __file__
+    path.write_text(TRIANGLE + "f 1 2 3\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read(path)
+
+
+PLATES = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 9 0 0\nv 9 1 0\n"
+PARTS = {
+    "a fin on a fold": ("f 1 2 3\nf 1 2 4\nf 1 2 5\n", 9),
+    "a touching point": ("f 1 2 3\nf 1 4 5\n", 6),
+    "two fans at an edge that ends inside": ("f 1 2 3\nf 2 1 4\nf 1 6 7\n", 7),
+}
+
+
+@pytest.mark.parametrize("kind", PARTS)
+def test_parts_that_meet_get_vertices_of_their_own_on_request(loaded, kind):
+    faces, number = PARTS[kind]
+    text = PLATES + faces + "p 1\nl 1 2\n"
+    before, after = loaded("a.obj", text).problem, loaded("a.obj", text, manifold=True).problem
+    assert any("manifold" in said for said in check(before)) and not any("manifold" in said for said in check(after))
+    assert len(after.vertices) == number
+    assert sorted(after.vertices[after.faces].sum(axis=(1, 2))) == sorted(before.vertices[before.faces].sum(axis=(1, 2)))
+    assert np.array_equal(after.vertices[after.supports], np.zeros((len(after.supports), 3))) and len(after.supports) > 1
+    assert len(after.creases) == (kind == "two fans at an edge that ends inside")
+
+
+def test_a_manifold_mesh_stays_as_it_is(loaded):
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in POINTS) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES)
+    split = loaded("a.obj", text, manifold=True)
+    assert _is_pyramid(split) and not split.notes

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
+from ...meshing.cleanup import Omission
 from .._files import read_bytes
 from ..cursor import READ_LIMITS
 from ..cursor import guarded
@@ -142,7 +143,7 @@ class _Layers:
         if not hidden:
             return []
         why = "hidden" if self.wanted is None else "not chosen"
-        return [f"left out, on layers that are {why}: {', '.join(f'{layer.name} ({layer.objects})' for layer in hidden)}"]
+        return [Omission(f"left out, on layers that are {why}: {', '.join(f'{layer.name} ({layer.objects})' for layer in hidden)}")]
 
 
 def _refuse_too_many(document: Any, path: Path) -> None:
@@ -299,7 +300,7 @@ class _Found:
         listed = ", ".join(
             f"{count} {kind}{'' if count == 1 else 'es' if kind.endswith('h') else 's'}" for kind, count in sorted(self.omitted.items())
         )
-        return [f"left out: {listed}"]
+        return [Omission(f"left out: {listed}")]
 
 
 def _quads(polygon: list[int]) -> Iterator[list[int]]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import FileError
 from ...errors import MeshError
+from ...meshing.cleanup import Omission
 from ..reading import ReadProblem
 from ..rhino.assemble import assemble
 from ..rhino.outlines import outlined
@@ -80,7 +81,7 @@ def problem_of_plan(plan: Plan, name: str, edge_length: Optional[float], crease:
     outside = part.count("outside")
     if plan.meshes:
         parts = [Part(f"the faces on layer {mesh.layer}", mesh.vertices, mesh.faces, 0.0, None, {}) for mesh in plan.meshes]
-        notes += [f"{len(part) - len(creases)} closed curves were ignored beside the faces"] if len(part) > len(creases) else []
+        notes += [Omission(f"{len(part) - len(creases)} closed curves were ignored beside the faces")] if len(part) > len(creases) else []
     else:
         rings = [(drawn.label, drawn.points) for role, drawn in zip(part, labelled) if role in ("outline", "hole")]
         if not rings or "outline" not in part:
@@ -93,7 +94,7 @@ def problem_of_plan(plan: Plan, name: str, edge_length: Optional[float], crease:
             raise FileError(str(error)) from None
         parts, creases = [made.part], made.creases
         notes += made.notes
-        notes += [f"{outside} curves outside the outline were ignored"] if outside else []
+        notes += [Omission(f"{outside} curves outside the outline were ignored")] if outside else []
     return assemble(
         name=name,
         parts=parts,
