@@ -12,6 +12,8 @@ from .._atomic_write import published_together
 from .._atomic_write import write_text
 from ..errors import CGCError
 from ..errors import FileError
+from ..io.formats import OUTPUTS
+from ..io.formats import listed
 from .building import JOINTS
 from .building import add_joints
 from .building import add_task
@@ -34,8 +36,9 @@ _EPILOG = """\
 FILE is a solved surface. If a .3dm file contains a result, the result is used. Solve with --measure exact to make regions and moulds
 consist of the same triangles; otherwise the report states the gaps between them.
 
-OUTPUT is a .3dm file with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels. A page of pictures is
-written beside it, with the suffix .pdf. --schedule writes the lengths of sides, diagonals and neighbours of every panel.
+OUTPUT is a .3dm file with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels, or a .step file with the
+moulds, the panels on them and the panels in place as named faces. Moulds are exact surfaces in both. A page of pictures is written beside
+it, with the suffix .pdf. --schedule writes the lengths of sides, diagonals and neighbours of every panel.
 
 examples:
   compas-cgc solve roof.3dm -o solved.3dm --measure exact
@@ -48,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_task(parser, "mould", leave=JOINTS)
     parser.epilog = _EPILOG
-    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help=".3dm file to write")
+    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help=f"{listed(OUTPUTS['mould'])} file to write")
     add_joints(parser, required=True)
     parser.add_argument("--no-page", action="store_true", help="do not write the page of pictures")
     parser.add_argument(
@@ -65,11 +68,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..fabrication.tasks import build
-    from ..io.rhino import write_moulds
+    from ..io.builds import build_suffix
+    from ..io.builds import write_mould_files
 
     output = Path(arguments.output)
-    if output.suffix.lower() != ".3dm":
-        raise FileError(f"the output must be a .3dm file, not {output.name!r}")
+    build_suffix("mould", output)
     for path in arguments.schedule:
         if Path(path).suffix.lower() not in (".csv", ".pdf"):
             raise FileError(f"the schedule must be a .csv or .pdf file, not {Path(path).name!r}")
@@ -85,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         page = _drawn(problem, report, arguments)
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
     with published_together(), parts.part(f"writing {output}"):
-        write_moulds(output, problem, report, source=source)
+        notes = write_mould_files(output, problem, report, source)
         written = [output]
         if page is not None:
             from ..plot import save
@@ -94,6 +97,8 @@ def run(arguments: argparse.Namespace) -> int:
         written += [_write_schedule(Path(path), problem, report, Path(arguments.input).stem) for path in arguments.schedule]
         if arguments.report:
             written.append(_write_report(arguments, report))
+    for note in notes:
+        echo(f"{output}: {note}")
     for path in written:
         echo(f"wrote {path}")
     return DONE

@@ -33,10 +33,10 @@ class Surface(NamedTuple):
         x, y = self._half_plane(points)
         here = _pseudosphere(x, y)
         pole = _pseudosphere(np.zeros(1), np.array([self.depth]))[0]
-        return radius * (here - pole) @ self._axes
+        return radius * (here - pole) @ self.axes
 
     @property
-    def _axes(self) -> FloatArray:
+    def axes(self) -> FloatArray:
         """Axes of the pseudosphere at its pole as columns: along the meridian, along the parallel and outwards (3, 3)."""
         slope = math.sqrt(1.0 - 1.0 / self.depth**2)
         down = np.array([-1.0 / self.depth, 0.0, slope])
@@ -68,8 +68,8 @@ class Surface(NamedTuple):
         points = corners.reshape(-1, 3)
         x, y = self._half_plane(points)
         bend, none = np.sqrt(y**2 - 1.0), np.zeros(len(x))
-        around = np.column_stack([-np.sin(x), np.cos(x), none]) @ self._axes
-        up = np.column_stack([-np.cos(x) / y, -np.sin(x) / y, np.sqrt(1.0 - 1.0 / y**2)]) @ self._axes
+        around = np.column_stack([-np.sin(x), np.cos(x), none]) @ self.axes
+        up = np.column_stack([-np.cos(x) / y, -np.sin(x) / y, np.sqrt(1.0 - 1.0 / y**2)]) @ self.axes
         places = self.places(points).reshape(-1, 3, 3)
         edges = (places[:, 1:] - places[:, :1])[:, None]
         along, across = (np.einsum("fcek,fck->fce", np.repeat(edges, 3, axis=1), way.reshape(-1, 3, 3)) for way in (around, up))

@@ -19,7 +19,7 @@ from .formats import OUTPUTS
 from .nets import write_net
 from .patterns import write_patterns
 
-__all__ = ["build_suffix", "write_build"]
+__all__ = ["build_suffix", "write_build", "write_mould_files"]
 
 _WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "curves"}
 
@@ -63,21 +63,54 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
     CGCError
         If a package that the format requires is missing.
     """
-    suffix = build_suffix(task, path)
+    build_suffix(task, path)
     if task == "unroll":
         return write_patterns(path, report, **file_options(task, settings))
     if task == "membrane":
         write_forces(path, report, **file_options(task, settings))
     elif task == "net":
         write_net(path, report, **file_options(task, settings))
-    elif suffix == ".3dm":
+    else:
+        write_mould_files(path, problem, report)
+    return [Path(path)]
+
+
+def write_mould_files(
+    path: Union[str, os.PathLike], problem: CGCProblem, report: MouldReport, source: Union[str, os.PathLike, None] = None
+) -> list[str]:
+    """Write moulds in the format of the suffix, atomically, and return notes on what the file does not hold.
+
+    Parameters
+    ----------
+    path
+        The file: .3dm, .step or .csv.
+    problem
+        The solved surface.
+    report
+        Its moulds.
+    source
+        A .3dm file whose contents are kept in a .3dm file.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
+    suffix, notes = build_suffix("mould", path), list[str]()
+    if suffix == ".3dm":
         from .rhino.mould_layers import write_moulds
 
-        write_moulds(path, problem, report)
+        write_moulds(path, problem, report, source=source)
+        return notes
+    if suffix == ".csv":
+        content = _panel_table(report).encode("utf-8")
     else:
-        with written(path) as temporary:
-            temporary.write_bytes(_panel_table(report).encode("utf-8"))
-    return [Path(path)]
+        from .mould_step import mould_step_bytes
+
+        content, notes = mould_step_bytes(problem, report)
+    with written(path) as temporary:
+        temporary.write_bytes(content)
+    return notes
 
 
 def _panel_table(report: MouldReport) -> str:

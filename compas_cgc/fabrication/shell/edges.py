@@ -11,7 +11,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Vertices
 
-__all__ = ["CORNER", "RegionEdge", "region_edges"]
+__all__ = ["CORNER", "RegionEdge", "loops_of", "region_edges"]
 
 CORNER = np.radians(30.0)  # turn of a boundary that makes a corner
 _Edge = tuple[int, int]
@@ -57,6 +57,22 @@ def region_edges(vertices: Vertices, faces: Faces, label: IntArray) -> list[Regi
         half = len(ring) // 2
         edges += [RegionEdge(np.array(part), sides[edge]) for part in (ring[: half + 1], ring[half:])]
     return edges
+
+
+def loops_of(edges: list[RegionEdge], own: list[int]) -> list[list[int]]:
+    """Return some edges, those of a region, in the order of its boundary loops."""
+    left, loops = list(own), []
+    while left:
+        loop = [left.pop(0)]
+        start, here = edges[loop[0]].path[[0, -1]].tolist()
+        while here != start:
+            k = next(k for k in left if here in edges[k].path[[0, -1]])
+            left.remove(k)
+            loop.append(k)
+            first, last = edges[k].path[[0, -1]].tolist()
+            here = last if here == first else first
+        loops.append(loop)
+    return loops
 
 
 def _walk(vertex: int, edge: _Edge, at: dict[int, list[_Edge]], nodes: set[int], left: set[_Edge]) -> list[int]:

@@ -28,7 +28,7 @@ from .heights import SECOND_ORDERS
 from .heights import HeightSpace
 from .heights import curvature
 
-__all__ = ["CLOSE", "LOOSE", "Fit", "Piece", "fitted"]
+__all__ = ["CLOSE", "LOOSE", "Fit", "Piece", "fitted", "samples"]
 
 MIN_COSINE = 0.05  # least cosine between the face normals of a region and its direction of projection
 LEVEL_COSINE = 0.6  # least cosine for a projection along the mean normal
@@ -162,7 +162,7 @@ class _System:
         self.V = (V - self.centre) / self.scale
         self.edge = float(np.linalg.norm(self.V[F[:, 1]] - self.V[F[:, 0]], axis=1).mean())
         self.edges = region_edges(self.V, F, self.label)
-        self.lines = [_samples(self.V[edge.path]) for edge in self.edges]
+        self.lines = [samples(self.V[edge.path]) for edge in self.edges]
         self.regions = self._regions(cell)
         self.size = sum(region.space.size for region in self.regions)
         self._tether()
@@ -326,7 +326,7 @@ def _axes(points: FloatArray, normals: FloatArray, number: int) -> FloatArray:
     return np.array([axis, np.cross(direction, axis), direction])
 
 
-def _samples(points: FloatArray) -> FloatArray:
+def samples(points: FloatArray) -> FloatArray:
     """Return points (k, 3) on the smooth curve through the vertices of an edge."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     places = np.interp(np.arange(SAMPLES_PER_EDGE * (len(points) - 1) + 1) / SAMPLES_PER_EDGE, np.arange(len(points)), along)

@@ -11,6 +11,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
+from ...discrete.nurbs import NurbsPatch
 from ...errors import MeshError
 from ...model.problem import CGCProblem
 from .fit import AWAY
@@ -35,6 +36,12 @@ class Patch(NamedTuple):
     knots_u: FloatArray  # (a + DEGREE + 1,)
     knots_v: FloatArray
     sides: bool  # whether the sides of the patch are those of the region; otherwise the patch extends beyond it
+
+    @property
+    def nurbs(self) -> NurbsPatch:
+        """The patch with weights of 1."""
+        control = np.concatenate([self.control, np.ones((*self.control.shape[:2], 1))], axis=-1)
+        return NurbsPatch(control, (self.knots_u, self.knots_v), (DEGREE, DEGREE))
 
 
 class Patches(NamedTuple):

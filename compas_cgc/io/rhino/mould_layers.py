@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from typing import Optional
 from typing import Union
@@ -15,15 +14,18 @@ from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Vertices
 from ...errors import names_what_was_meant
-from ...fabrication.mould_report import Mould
+from ...fabrication.mould_layout import MouldPlace
+from ...fabrication.mould_layout import mould_places
+from ...fabrication.mould_patches import cap_patch
+from ...fabrication.mould_patches import cap_rim
 from ...fabrication.mould_report import MouldReport
 from ...fabrication.mould_report import PanelFit
-from ...fabrication.mould_surface import cap_mesh
 from ...meshing import boundary_loops
 from ...model.problem import PosesProblem
 from .archive import read_archive
 from .archive import write_archive
 from .meshes import mesh_from_arrays
+from .nurbs import nurbs_surface
 from .write import LayerWriter
 from .write import new_archive
 
@@ -31,8 +33,6 @@ __all__ = ["MOULDS", "write_moulds"]
 
 MOULDS = "CGC Moulds"
 _COLOURS = ((232, 196, 143), (127, 166, 173), (207, 132, 101), (167, 181, 139), (141, 147, 181), (217, 165, 160))
-PANEL_SPACING = 1.2  # distance between panels, relative to the width of the cap
-MOULD_OFFSET = 0.15  # distance of the moulds from the roof, relative to its size
 
 
 @names_what_was_meant()
@@ -46,7 +46,8 @@ def write_moulds(
     """Write moulds and panels on the sublayers of ``CGC Moulds``, in addition to the contents of a file.
 
     ==================  ====================================================================================
-    Moulds              a mesh of each mould beside the roof, pole upwards, with its data as user text
+    Moulds              the exact surface of each mould beside the roof, pole upwards, with its data as user text; the cap for planes and
+                        spheres, a rectangle around the cap, and its rim, for pseudospheres
     Outlines            the outlines of all panels on their mould
     Panels on moulds    every panel on its mould, side by side
     Panels in place     every panel in the roof, with its data as user text
@@ -84,43 +85,38 @@ def write_moulds(
     problem = mesh.to_problem().without_dummies()
     writer = LayerWriter(new_archive(problem) if source is None else read_archive(source))
     writer.clear(MOULDS)
-    low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
-    corner = np.array([high[0] + MOULD_OFFSET * float(np.linalg.norm(high - low)), low[1], low[2]])
-    for mould in report.moulds:
-        own = [fit for fit in report.panels if fit.mould == mould.number]
-        colour = _COLOURS[(mould.number - 1) % len(_COLOURS)]
-        corner = corner + [0.0, _draw_mould(writer, mould, own, corner, colour), 0.0]
-        _draw_in_place(writer, own, colour)
+    for place in mould_places(problem, report):
+        colour = _COLOURS[(place.mould.number - 1) % len(_COLOURS)]
+        _draw_mould(writer, place, colour)
+        _draw_in_place(writer, place.panels, colour)
     record = {"version": __version__, **report.to_dict()}
     writer.document_text([("compas_cgc.moulds", json.dumps(record)), ("compas_cgc.moulds.report", str(report))])
     write_archive(writer.archive, path, version)
 
 
-def _draw_mould(writer: LayerWriter, mould: Mould, panels: list[PanelFit], corner: FloatArray, colour: tuple) -> float:
-    """Draw a mould and its panels in rows, starting at a corner (3,), and return their width along y [L]."""
-    pitch = PANEL_SPACING * 2.0 * mould.radius
-    middle = corner + [0.5 * pitch, 0.5 * pitch, 0.0]
-    vertices, faces = cap_mesh(mould.surface, mould.radius)
+def _draw_mould(writer: LayerWriter, place: MouldPlace, colour: tuple) -> None:
+    """Draw a mould and its panels in rows."""
+    mould, middle = place.mould, place.pole
     radius = mould.radius_of_curvature
     figures = {"mould": str(mould.number), "K": repr(mould.K), "cap radius": repr(mould.radius), "panels": str(mould.panels)}
     figures.update({} if radius is None else {"radius of curvature": repr(radius)})
     on_moulds = writer.layer(f"{MOULDS}::Moulds", (90, 90, 90))
-    writer.mesh(mesh_from_arrays(vertices + middle, faces), writer.attributes(on_moulds, f"mould {mould.number}", figures))
+    surface = cap_patch(mould.surface, mould.radius).placed(middle, np.eye(3))
+    writer.archive.Objects.AddSurface(nurbs_surface(surface), writer.attributes(on_moulds, f"mould {mould.number}", figures))
+    if mould.K < 0.0:
+        rim = cap_rim(mould.surface, mould.radius) + middle
+        writer.polyline(rim, writer.attributes(on_moulds, f"rim of mould {mould.number}"))
     on_labels = writer.layer(f"{MOULDS}::Labels", (40, 40, 40))
-    writer.dot(f"mould {mould.number}", middle + vertices[0], writer.attributes(on_labels, f"mould {mould.number}"))
+    writer.dot(f"mould {mould.number}", middle, writer.attributes(on_labels, f"mould {mould.number}"))
     on_outlines = writer.layer(f"{MOULDS}::Outlines", (20, 60, 160))
     on_panels = writer.layer(f"{MOULDS}::Panels on moulds", (140, 110, 60))
-    columns = max(1, math.ceil(math.sqrt(2.0 * len(panels))))
-    for k, fit in enumerate(panels):
-        row, column = divmod(k, columns)
-        place = middle + [(column + 1) * pitch, row * pitch, 0.0]
+    for fit, pole in zip(place.panels, place.poles):
         attributes = writer.attributes(on_panels, fit.panel.name, _figures(fit), colour)
-        writer.mesh(mesh_from_arrays(fit.on_mould + place, fit.faces), attributes)
-        writer.dot(fit.panel.name, place + _middle(fit.on_mould), writer.attributes(on_labels, fit.panel.name))
+        writer.mesh(mesh_from_arrays(fit.on_mould + pole, fit.faces), attributes)
+        writer.dot(fit.panel.name, pole + _middle(fit.on_mould), writer.attributes(on_labels, fit.panel.name))
         for loop in boundary_loops(fit.faces):
             line = fit.on_mould[np.append(loop, loop[0])] + middle
             writer.polyline(line, writer.attributes(on_outlines, fit.panel.name))
-    return pitch * (math.ceil(len(panels) / columns) + 0.5)
 
 
 def _draw_in_place(writer: LayerWriter, panels: list[PanelFit], colour: tuple) -> None:

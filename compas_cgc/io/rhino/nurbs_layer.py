@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from ...errors import MeshError
-from ...fabrication.shell.heights import DEGREE
-from ...fabrication.shell.patches import Patch
 from ...fabrication.shell.patches import region_patches
 from ...fabrication.shell.regions import region_surfaces
 from ...model.problem import CGCProblem
-from ._types import Geometry
-from .archive import rhino3dm_module
+from .nurbs import nurbs_surface
 from .write import LayerWriter
 
-__all__ = ["NURBS", "draw_nurbs", "nurbs_surface"]
+__all__ = ["NURBS", "draw_nurbs"]
 
 NURBS = "CGC::NURBS"
 
@@ -29,7 +26,7 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
     except MeshError as error:
         return [str(error)]
     for region, patch in enumerate(made):
-        writer.archive.Objects.AddSurface(nurbs_surface(patch), writer.attributes(layer, f"region {region}", {"region": str(region)}))
+        writer.archive.Objects.AddSurface(nurbs_surface(patch.nurbs), writer.attributes(layer, f"region {region}", {"region": str(region)}))
     for edge, points in zip(fit.edges, sides):
         beside = ", ".join(map(str, edge.regions))
         writer.polyline(fit.centre + fit.scale * points, writer.attributes(layer, f"edge of region {beside}", {"regions": beside}))
@@ -40,20 +37,3 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
         f"{len(made)} NURBS surfaces, {fit.gap:.2g}{unit} apart at most, within {fit.distance:.3g}{unit} of the mesh; "
         f"error of K away from supports {half:.2g} % (50 %), {most:.2g} % (95 %), {largest:.2g} % (100 %){cut}"
     ]
-
-
-def nurbs_surface(patch: Patch) -> Geometry:
-    """Return a patch as a Rhino NURBS surface."""
-    rhino3dm = rhino3dm_module()
-
-    a, b, _ = patch.control.shape
-    surface = rhino3dm.NurbsSurface.Create(3, False, DEGREE + 1, DEGREE + 1, a, b)
-    for i in range(a):
-        for j in range(b):
-            x, y, z = patch.control[i, j].tolist()
-            surface.Points[i, j] = rhino3dm.Point4d(x, y, z, 1.0)
-    # Rhino omits the first and the last knot, which do not affect the surface.
-    for knots, values in ((surface.KnotsU, patch.knots_u[1:-1]), (surface.KnotsV, patch.knots_v[1:-1])):
-        for k, value in enumerate(values.tolist()):
-            knots[k] = value
-    return surface

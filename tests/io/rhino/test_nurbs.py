@@ -13,7 +13,7 @@ from compas_cgc.fabrication.shell.patches import curvature_errors
 from compas_cgc.fabrication.shell.patches import patches
 from compas_cgc.fabrication.shell.patches import region_patches
 from compas_cgc.fabrication.shell.regions import region_surfaces
-from compas_cgc.io.rhino.nurbs_layer import nurbs_surface
+from compas_cgc.io.rhino.nurbs import nurbs_surface
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_patches_lie_on_the_fitted_surfaces(facade):
     made = patches(fit, 4)
     for piece, patch in zip(fit.pieces, made):
         assert patch.sides
-        points = grid_of(nurbs_surface(patch)).reshape(-1, 3)
+        points = grid_of(nurbs_surface(patch.nurbs)).reshape(-1, 3)
         local = piece.local((points - fit.centre) / fit.scale)
         off = np.abs(piece.space.basis(local[:, :2]) @ piece.coefficients - local[:, 2]) * fit.scale
         assert np.median(off) < 1e-6 and np.percentile(off, 95) < 1e-4 and off.max() < 1e-3

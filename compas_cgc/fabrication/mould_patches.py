@@ -1,0 +1,124 @@
+"""Moulds as exact surfaces, and outlines on them."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Vertices
+from ..discrete.nurbs import NurbsPatch
+from .mould_surface import Surface
+from .revolution import Revolution
+from .revolution import revolution
+
+__all__ = ["ACCURACY", "Chart", "cap_patch", "cap_rim", "chart_of"]
+
+ACCURACY = 1e-8  # deviation of the meridians of pseudospheres relative to the radius of curvature
+MAX_ANGLE = 1.4  # largest distance of a point from the pole of a sphere in its chart [rad]
+RIM_POINTS = 256
+MARGIN = 1e-3  # of a patch beyond the points on it, relative to their extent
+
+
+class Chart(NamedTuple):
+    """Coordinates on a mould around its pole: along the meridian of a surface of revolution, and about its axis."""
+
+    K: float
+    origin: FloatArray  # (3,) of the axis, where the height of the meridian is 0 [L]
+    axes: FloatArray  # (3, 3) rows: two directions across the axis and along it
+    depth: float  # of the pole of a pseudosphere
+
+    def of(self, points: Vertices) -> FloatArray:
+        """Return the coordinates (k, 2) of points near the mould (k, 3)."""
+        if self.K == 0.0:
+            return points[:, :2]
+        x, y, z = ((points - self.origin) @ self.axes.T).T
+        around, root = np.arctan2(y, x), math.sqrt(abs(self.K))
+        along = np.arctan2(z, np.hypot(x, y)) if self.K > 0.0 else -np.log(root * np.hypot(x, y))
+        return np.column_stack([along / root, around])
+
+    def at(self, places: FloatArray) -> Vertices:
+        """Return the points (k, 3) at coordinates (k, 2) [L]."""
+        if self.K == 0.0:
+            return np.column_stack([places, np.zeros(len(places))])
+        s, around = places.T
+        root = math.sqrt(abs(self.K))
+        if self.K > 0.0:
+            r, z = np.cos(root * s) / root, np.sin(root * s) / root
+        else:
+            r = np.exp(-root * s) / root
+            z = (np.arccosh(np.exp(root * s)) - np.sqrt(1.0 - np.exp(-2.0 * root * s))) / root
+        return np.column_stack([r * np.cos(around), r * np.sin(around), z]) @ self.axes + self.origin
+
+    def patch(self, places: FloatArray) -> NurbsPatch:
+        """Return the part of the mould around coordinates (k, 2)."""
+        low, high = places.min(axis=0), places.max(axis=0)
+        low, high = low - MARGIN * (high - low), high + MARGIN * (high - low)
+        if self.K == 0.0:
+            x, y = np.meshgrid([low[0], high[0]], [low[1], high[1]], indexing="ij")
+            knots = [np.repeat([first, last], 2) for first, last in zip(low, high)]
+            return NurbsPatch(np.stack([x, y, np.zeros((2, 2)), np.ones((2, 2))], axis=-1), (knots[0], knots[1]), (1, 1))
+        root = math.sqrt(abs(self.K))
+        if self.K < 0.0:
+            low[0] = max(low[0], 0.5 * places[:, 0].min())
+        own = revolution("sphere" if self.K > 0.0 else "pseudosphere", self.K)
+        made = own.patch((float(low[0]), float(high[0])), (float(low[1]), float(high[1])), ACCURACY / root)
+        first = self.at(np.array([[low[0], 0.0]]))[0] - own.radii(low[:1])[0] * self.axes[0]
+        return made.placed(first, self.axes)
+
+    def curve(self, points: Vertices, count: int) -> Vertices:
+        """Return the points of a smooth curve on the mould through points (k, 3), `count` per span."""
+        places = self.of(points)
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        t = np.interp(np.arange(count * (len(points) - 1) + 1) / count, np.arange(len(points)), along)
+        if len(points) == 2:
+            return self.at(places[0] + (t / along[-1])[:, None] * (places[1] - places[0]))
+        return self.at(CubicSpline(along, places)(t))
+
+
+def chart_of(surface: Surface) -> Chart:
+    """Return the chart of a mould, whose axis does not pass through the pole."""
+    if surface.K == 0.0:
+        return Chart(0.0, np.zeros(3), np.eye(3), 1.0)
+    root = math.sqrt(abs(surface.K))
+    if surface.K > 0.0:
+        return Chart(surface.K, np.array([0.0, 0.0, -1.0 / root]), np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]), 1.0)
+    own = Chart(surface.K, np.zeros(3), surface.axes, surface.depth)
+    return own._replace(origin=-own.at(np.array([[math.log(surface.depth) / root, 0.0]]))[0])
+
+
+def cap_patch(surface: Surface, radius: float) -> NurbsPatch:
+    """Return the cap of a mould about its pole: the cap itself for planes and spheres, a rectangle around it for pseudospheres.
+
+    Parameters
+    ----------
+    surface
+        The mould, with its pole at the origin.
+    radius
+        Geodesic radius of the cap [L].
+    """
+    full = (0.0, 2.0 * math.pi)
+    turned = np.diag([1.0, 1.0, -1.0])
+    if surface.K == 0.0:
+        return Revolution(0.0, 0.0, 1.0).patch((0.0, radius), full, 1.0)
+    if surface.K > 0.0:
+        # The meridian begins at the pole.
+        return Revolution(surface.K, 0.0, 1.0).patch((0.0, radius), full, 1.0).placed(np.zeros(3), turned)
+    chart = chart_of(surface)
+    return chart.patch(chart.of(cap_rim(surface, radius)))
+
+
+def cap_rim(surface: Surface, radius: float) -> Vertices:
+    """Return the closed rim of a cap (k, 3), first point repeated [L]."""
+    angle = np.linspace(0.0, 2.0 * math.pi, RIM_POINTS + 1)
+    root = math.sqrt(abs(surface.K))
+    if surface.K > 0.0:
+        up, out = math.cos(root * radius), math.sin(root * radius) / root
+    elif surface.K < 0.0:
+        up, out = math.cosh(root * radius), math.sinh(root * radius) / root
+    else:
+        up, out = 1.0, radius
+    return surface.places(np.column_stack([np.full(len(angle), up), out * np.cos(angle), out * np.sin(angle)]))

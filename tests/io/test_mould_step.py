@@ -1,0 +1,64 @@
+"""STEP files of moulds: named faces of the moulds, of panels on them and of panels in place."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import compas_cgc
+from compas_cgc.cli import main
+from compas_cgc.discrete import face_areas
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
+from compas_cgc.io import read_problem
+from compas_cgc.io.builds import write_mould_files
+
+occt = pytest.importorskip("compas_occt._occt")
+FACE, EDGE = 4, 6
+
+
+def area(face):
+    """Return the area of a face by triangles [m^2]; the integration of OpenCASCADE is not precise on rational surfaces."""
+    vertices, faces, _ = occt.tesselate(face, 1.0, 0.1)
+    return 1e-6 * face_areas(np.asarray(vertices).reshape(-1, 3), np.asarray(faces).reshape(-1, 3)).sum()
+
+
+def free_edges(shape, faces):
+    """Return the number of edges of some faces that belong to one face."""
+    edges = [edge for face in faces for edge in occt.shape_explore(face, EDGE)]
+    return sum(len(occt.ancestors(shape, edge, EDGE, FACE)) == 1 for edge in edges)
+
+
+@pytest.mark.parametrize(("sample", "size"), [("vault", 3.0), ("canopy", 3.0), ("facade", 3.0)])
+def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
+    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get(f"{sample}.3dm")), settings={"measure": "exact"})
+    report = moulds(result, panels(result, size))
+    path = tmp_path / "moulds.step"
+    assert write_mould_files(path, result.problem, report) == []
+    names = re.findall(r"ADVANCED_FACE\('([^']*)'", path.read_text(encoding="utf-8"))
+    shape = occt.read_step(str(path))
+    faces = occt.shape_explore(shape, FACE)
+    assert len(names) == len(faces) == 1 + 2 * len(report.panels) and all(map(occt.is_valid, faces))
+    own = dict(zip(names, faces))
+    (mould,) = report.moulds
+    root = np.sqrt(abs(mould.K))
+    cap = {1: lambda x: 2 * (1 - np.cos(x)), 0: lambda x: x * x, -1: lambda x: 2 * (np.cosh(x) - 1)}[int(np.sign(mould.K))]
+    unit = root or 1.0
+    assert area(own["mould 1"]) == pytest.approx(np.pi * cap(unit * mould.radius) / unit**2, rel=2e-3)
+    for fit in report.panels:
+        # The triangles of the mesh are inscribed.
+        assert area(own[f"panel {fit.panel.name} on mould 1"]) == pytest.approx(face_areas(fit.on_mould, fit.faces).sum(), rel=3e-3)
+        assert area(own[f"panel {fit.panel.name} in place"]) == pytest.approx(face_areas(fit.vertices, fit.faces).sum(), rel=5e-3)
+    in_place = [face for name, face in own.items() if name.endswith("in place")]
+    assert 0 < free_edges(shape, in_place) < sum(len(occt.shape_explore(face, EDGE)) for face in in_place) / 2
+
+
+def test_the_command_writes_step_and_the_same_surface_gives_the_same_bytes(tmp_path):
+    solved = tmp_path / "solved.3dm"
+    assert main(["solve", compas_cgc.get("vault.3dm"), "-o", str(solved), "-q"]) == 0
+    assert main(["mould", str(solved), "-o", str(tmp_path / "one.step"), "--size", "4", "--no-page", "-q"]) == 0
+    problem = read_problem(solved, result=True).checked()
+    write_mould_files(tmp_path / "other.step", problem, moulds(problem, panels(problem, 4.0)))
+    assert (tmp_path / "one.step").read_bytes() == (tmp_path / "other.step").read_bytes()
