@@ -37,8 +37,9 @@ FILE is a solved surface. If a .3dm file contains a result, the result is used. 
 consist of the same triangles; otherwise the report states the gaps between them.
 
 OUTPUT is a .3dm file with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels, or a .step file with the
-moulds, the panels on them and the panels in place as named faces. Moulds are exact surfaces in both. A page of pictures is written beside
-it, with the suffix .pdf. --schedule writes the lengths of sides, diagonals and neighbours of every panel.
+moulds, the panels on them and the panels in place as named faces. Moulds are exact surfaces in both. An .ifc file (IFC 4) holds the roof
+and its panels as plates with class, K, mould radius, area and course. A page of pictures is written beside it, with the suffix .pdf.
+--schedule writes the lengths of sides, diagonals and neighbours of every panel.
 
 examples:
   compas-cgc solve roof.3dm -o solved.3dm --measure exact

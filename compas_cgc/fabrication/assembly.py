@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..errors import names_what_was_meant
 from .drawing import LETTER_WIDTH
 from .drawing import MARK_LENGTH
@@ -16,7 +18,7 @@ from .drawing import roomiest
 from .patterns import Patterns
 from .patterns import refuse_others
 
-__all__ = ["courses", "draw_plan", "neighbours"]
+__all__ = ["courses", "draw_plan", "neighbours", "numbered_courses"]
 
 
 def neighbours(patterns: Patterns) -> list[list[int]]:
@@ -40,8 +42,22 @@ def courses(patterns: Patterns) -> list[int]:
     stands = np.bincount(own.piece, held[own.faces].any(axis=1), count) > 0
     lowest = np.full(count, np.inf)
     np.minimum.at(lowest, own.piece, own.space[own.faces][..., 2].min(axis=1))
-    beside = neighbours(patterns)
-    found = np.zeros(count, np.int64)
+    return numbered_courses(stands, lowest, neighbours(patterns))
+
+
+def numbered_courses(stands: Mask, lowest: FloatArray, beside: list[list[int]]) -> list[int]:
+    """Return the course of every part: 1 for parts that stand on supports, 2 for their neighbours, and so on.
+
+    Parameters
+    ----------
+    stands
+        ``(n,)`` whether a part has supports.
+    lowest
+        ``(n,)`` height of its lowest point, by which a part is chosen where none has supports [L].
+    beside
+        Neighbours of every part.
+    """
+    found = np.zeros(len(beside), np.int64)
     front = np.flatnonzero(stands).tolist()
     while (found == 0).any():
         if not front:

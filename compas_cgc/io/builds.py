@@ -83,7 +83,7 @@ def write_mould_files(
     Parameters
     ----------
     path
-        The file: .3dm, .step or .csv.
+        The file: .3dm, .step, .ifc or .csv.
     problem
         The solved surface.
     report
@@ -104,6 +104,10 @@ def write_mould_files(
         return notes
     if suffix == ".csv":
         content = _panel_table(report).encode("utf-8")
+    elif suffix == ".ifc":
+        from .ifc import ifc_bytes
+
+        content = ifc_bytes(problem, report)
     else:
         from .mould_step import mould_step_bytes
 

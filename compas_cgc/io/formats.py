@@ -62,7 +62,7 @@ WRITTEN_SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordi
 
 # Files of the tasks that follow a solve; the suffix selects the contents.
 OUTPUTS = {
-    "mould": (".3dm", ".step", ".csv"),
+    "mould": (".3dm", ".step", ".ifc", ".csv"),
     "unroll": (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip"),
     "membrane": (".3dm", ".inp", ".json"),
     "net": (".3dm", ".dxf", ".json", ".laths.csv", ".laths.dxf"),
@@ -71,6 +71,7 @@ OUTPUTS = {
 MEDIA_TYPES = {
     **{suffix: own.media_type for suffix, own in FORMATS.items() if own.media_type},
     ".csv": "text/csv",
+    ".ifc": "application/x-step",
     ".inp": "text/plain",
     ".json": "application/json",
     ".svg": "image/svg+xml",
