@@ -49,7 +49,9 @@ class Placed:
             own = [value for i in range(part.get("SourceCount")) for value in values[part.get("Source", i)]]
             cast = CASTS.get(part.get("TypeHintID"), lambda value: value)
             own = [cast(value) for value in own]
-            if part.get("Access", default=0) == 1:
+            if part.get("Access", default=0) == 2:
+                given.append(gh_stand_ins.DataTree({(0,): own} if own else {}))
+            elif part.get("Access", default=0) == 1:
                 given.append(own or None)
             else:
                 assert len(own) < 2, f"{part.get('Name')} takes one item and is given {len(own)}"
@@ -146,6 +148,8 @@ def as_list(value):
     """Return what an output holds: anything that can be run through is taken apart."""
     if value is None:
         return []
+    if isinstance(value, gh_stand_ins.DataTree):
+        return value.AllData()
     return list(value) if hasattr(value, "__iter__") and not isinstance(value, (str, gh_stand_ins.Point3d)) else [value]
 
 

@@ -261,8 +261,17 @@ class Parameter:
         self.Sources.append(source)
 
 
-class Path(NamedTuple):
-    number: int
+class Path:
+    def __init__(self, *indices):
+        assert all(type(index) is int for index in indices)
+        self.Indices = indices
+
+    @property
+    def key(self):
+        return self.Indices[0] if len(self.Indices) == 1 else self.Indices
+
+    def AppendElement(self, index):
+        return Path(*self.Indices, index)
 
 
 class DataTree:
@@ -271,14 +280,27 @@ class DataTree:
     def __class_getitem__(cls, kind):
         return cls
 
-    def __init__(self):
-        self.branches = {}
+    Paths = ()
+
+    def __init__(self, branches=()):
+        self.branches, self.Paths = {}, []
+        for indices, items in dict(branches).items():
+            self.EnsurePath(Path(*indices))
+            self.branches[self.Paths[-1].key] = list(items)
 
     def EnsurePath(self, path):
-        self.branches.setdefault(path.number, [])
+        if path.key not in self.branches:
+            self.branches[path.key] = []
+            self.Paths.append(path)
 
     def Add(self, value, path):
-        self.branches[path.number].append(value)
+        self.branches[path.key].append(value)
+
+    def Branch(self, path):
+        return list(self.branches[path.key])
+
+    def AllData(self):
+        return [value for path in self.Paths for value in self.branches[path.key]]
 
 
 class ScheduleDelegate:
@@ -330,6 +352,9 @@ class Objects(dict):
     def FindByUserString(self, key, value, case_sensitive):
         assert case_sensitive is True
         return [one for one in self.values() if one.Attributes.text.get(key) == value]
+
+    def FindId(self, id):
+        return self.get(id)
 
     def Delete(self, one, quiet):
         assert quiet is True
@@ -415,7 +440,7 @@ def modules():
         special,
         data,
         kernel,
-        module("System", Collections=collections, Drawing=drawing, Object=object),
+        module("System", Collections=collections, Drawing=drawing, Object=object, Guid=uuid.UUID),
         collections,
         generic,
         drawing,

@@ -15,11 +15,17 @@ from ...io.rhino.rhinocommon import polyline_to_rhino
 from ...model.problem import CGCProblem
 from ..runtime.bake import Bakery
 from ..runtime.bake import baking
+from ..runtime.bake import is_baked
 from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.fingerprint import fingerprint
 from ..runtime.measured import Measured
 from ..runtime.measured import measure
+from ..runtime.memories import Memories
+from ..runtime.trees import branches_of
+from ..runtime.trees import matched
+from ..runtime.trees import tree_at
 from .regions import part_of
 
 __all__ = ["BakeOutputs", "bake"]
@@ -31,30 +37,73 @@ SAND, INK, RED = (140, 110, 60), (30, 30, 30), (200, 40, 40)
 class BakeOutputs(NamedTuple):
     """Outputs of the component."""
 
-    baked: Optional[list[str]] = None
+    baked: Any = None
 
 
-@reports_errors(BakeOutputs)
-def bake(component: Any, cgc_mesh: Any, layer: Optional[str], bake: Optional[bool]) -> BakeOutputs:
-    """Bake a mesh, its regions, creases and supports; replaces the objects that this branch baked earlier."""
-    if cgc_mesh is None:
+class _Piece(NamedTuple):
+    """A mesh to bake."""
+
+    root: str  # parent layer
+    problem: CGCProblem
+    found: Measured
+
+
+class _Last(NamedTuple):
+    """What a component baked last while `bake` stays true."""
+
+    inputs: str  # fingerprint
+    ids: list[str]
+    out: BakeOutputs
+
+
+_LAST: Memories[_Last] = Memories(lambda last: None)
+
+
+@reports_errors(BakeOutputs, trees=("cgc_mesh", "layer"))
+def bake(component: Any, cgc_mesh: Any, layer: Any, bake: Optional[bool]) -> BakeOutputs:
+    """Bake all meshes of a data tree with their regions, creases and supports in one undo step.
+
+    They replace all objects that the component baked earlier, also those of branches that no longer exist. While `bake` stays true,
+    inputs that have not changed are not baked again.
+    """
+    matches = matched(branches_of(cgc_mesh), branches_of(layer))
+    if not any(mesh is not None for match in matches for mesh, _ in match.rows):
         ask_for(component, "a CGC mesh")
         return BakeOutputs()
     if not bake:
+        _LAST.drop(component)
         set_message(component, "set bake to true")
         return BakeOutputs()
-    problem = cgc_mesh.to_problem().without_dummies()
-    found = measure(cgc_mesh)
-    root = layer.strip() if layer and layer.strip() else LAYER
-    # Each branch replaces its own earlier objects only.
-    run = int(getattr(component, "RunCount", 1))
-    with baking(str(component.InstanceGuid) if run <= 1 else f"{component.InstanceGuid} {run}") as bakery:
+    inputs, last = fingerprint(*(row for match in matches for row in match.rows)), _LAST.of(component)
+    if last is not None and last.inputs == inputs and is_baked(last.ids):
+        return last.out
+    pieces = [[None if mesh is None else _piece(mesh, own) for mesh, own in match.rows] for match in matches]
+    branches: list[tuple[Any, int, list[Optional[str]]]] = []
+    with baking(str(component.InstanceGuid)) as bakery:
+        for root in {piece.root: None for row in pieces for piece in row if piece is not None}:
+            bakery.layer(root, SAND)  # before anything is deleted, as a name can be invalid
         bakery.clear()
-        _bake_surface(bakery, root, problem, found)
-        _bake_regions(bakery, root, problem, found)
-        _bake_lines(bakery, root, problem)
+        for match, row in zip(matches, pieces):
+            for number, piece in enumerate(row):
+                first = len(bakery.baked)
+                if piece is not None:
+                    _bake(bakery, piece)
+                branches.append((match.path, number, [*bakery.baked[first:]] or [None]))
     set_message(component, f"{len(bakery.baked)} objects baked")
-    return BakeOutputs(bakery.baked)
+    out = BakeOutputs(tree_at(branches))
+    _LAST.drop(component)
+    _LAST.keep(component, _Last(inputs, bakery.baked, out))
+    return out
+
+
+def _piece(mesh: Any, layer: Optional[str]) -> _Piece:
+    return _Piece(layer.strip() if layer and layer.strip() else LAYER, mesh.to_problem().without_dummies(), measure(mesh))
+
+
+def _bake(bakery: Bakery, piece: _Piece) -> None:
+    _bake_surface(bakery, *piece)
+    _bake_regions(bakery, *piece)
+    _bake_lines(bakery, piece.root, piece.problem)
 
 
 def _bake_surface(bakery: Bakery, root: str, problem: CGCProblem, found: Measured) -> None:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from typing import Optional
 
 from ...datastructures import CGCMesh
+from ...errors import CGCError
 from ...errors import FileError
 from ...io import read_mesh
 from ...io import write as write_file
@@ -18,6 +19,9 @@ from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.paths import file_path
+from ..runtime.trees import branches_of
+from ..runtime.trees import matched
+from ..runtime.trees import tree_at
 from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["Read3dmOutputs", "Write3dmOutputs", "read_3dm", "write_3dm"]
@@ -34,7 +38,7 @@ class Read3dmOutputs(NamedTuple):
 class Write3dmOutputs(NamedTuple):
     """Outputs of the component."""
 
-    written: Optional[str]
+    written: Any = None
 
 
 @reports_errors(Read3dmOutputs)
@@ -62,16 +66,31 @@ def _read_text(text: str) -> tuple[CGCMesh, list[str]]:
             raise FileError(str(error).replace(str(path), "the text")) from None
 
 
-@reports_errors(Write3dmOutputs)
-def write_3dm(component: Any, path: Optional[str], cgc_mesh: Any, write: Optional[bool]) -> Write3dmOutputs:
-    """Write a mesh with its supports, creases, targets and goals if `write` is true."""
-    if not path or cgc_mesh is None:
+@reports_errors(Write3dmOutputs, trees=("path", "cgc_mesh"))
+def write_3dm(component: Any, path: Any, cgc_mesh: Any, write: Optional[bool]) -> Write3dmOutputs:
+    """Write all meshes of a data tree with their supports, creases, targets and goals if `write` is true, each to its path.
+
+    Raises
+    ------
+    CGCError
+        If several meshes have the same path; nothing is written then.
+    """
+    matches = matched(branches_of(path), branches_of(cgc_mesh))
+    rows = [row for match in matches for row in match.rows]
+    if not any(all(row) for row in rows):
         ask_for(component, "the path of a file and a CGC mesh")
-        return Write3dmOutputs(None)
+        return Write3dmOutputs()
     if not write:
         set_message(component, "set write to true")
-        return Write3dmOutputs(None)
-    written = file_path(component, path)
-    write_file(written, cgc_mesh)
-    set_message(component, "written")
-    return Write3dmOutputs(written)
+        return Write3dmOutputs()
+    written = [[file_path(component, text) if text and mesh is not None else None for text, mesh in match.rows] for match in matches]
+    names = [name for branch in written for name in branch if name is not None]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise CGCError(f"{names.count(twice)} meshes have the path {twice}; connect one path for each mesh")
+    for match, branch in zip(matches, written):
+        for (_, mesh), name in zip(match.rows, branch):
+            if name is not None:
+                write_file(name, mesh)
+    set_message(component, "written" if len(names) == 1 else f"{len(names)} files written")
+    return Write3dmOutputs(tree_at((match.path, None, branch) for match, branch in zip(matches, written)))

@@ -27,6 +27,7 @@ from ...model.goals.wholes import Volume
 from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.component_feedback import with_nulls
 from ..runtime.geometry import document_units
 
 __all__ = ["GoalsOutputs", "goals"]
@@ -66,7 +67,7 @@ def goals(
         made.append(Volume(float(volume)))
     if area is not None:
         made.append(Area(float(area)))
-    made += _clear([float(z) for z in as_list(clearance)], as_list(clear))
+    made += _clear(with_nulls(clearance), with_nulls(clear))
     if below is not None:
         made.append(Below(float(below)))
     if within is not None:
@@ -80,14 +81,15 @@ def goals(
     return GoalsOutputs(made)
 
 
-def _clear(heights: list[float], curves: list[Any]) -> list[Constraint]:
-    """Return clearances inside curves, or everywhere if there are no curves."""
+def _clear(heights: list[Optional[float]], curves: list[Any]) -> list[Constraint]:
+    """Return clearances inside curves, or everywhere if there are no curves. Nulls keep their place: their curve has no clearance."""
     if not curves:
-        return [Above(height) for height in heights[:1]]
+        return [Above(float(height)) for height in heights[:1] if height is not None]
     if len(heights) not in (1, len(curves)):
         raise CGCError(f"there are {len(heights)} clearances for {len(curves)} curves; connect one for all curves, or one per curve")
     each = heights * len(curves) if len(heights) == 1 else heights
-    return [Clearance(_outline(curve, "clear").tolist(), height) for curve, height in zip(curves, each)]
+    pairs = [(curve, height) for curve, height in zip(curves, each) if curve is not None and height is not None]
+    return [Clearance(_outline(curve, "clear").tolist(), float(height)) for curve, height in pairs]
 
 
 def _outline(curve: Any, name: str) -> FloatArray:

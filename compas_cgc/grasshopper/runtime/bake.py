@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from collections.abc import Iterator
 from collections.abc import Mapping
 from contextlib import contextmanager
@@ -9,7 +10,7 @@ from typing import Any
 
 from ...errors import CGCError
 
-__all__ = ["Bakery", "baking"]
+__all__ = ["Bakery", "baking", "is_baked"]
 
 OWNER = "cgc baked by"  # user text with the id of the component, which identifies its earlier objects
 NOT_FOUND = -1
@@ -67,6 +68,15 @@ class Bakery:
         for key, value in {**text, OWNER: self._owner}.items():
             attributes.SetUserString(key, value)
         self.baked.append(str(getattr(self._document.Objects, f"Add{kind}")(geometry, attributes)))
+
+
+def is_baked(ids: Iterable[str]) -> bool:
+    """Check whether all objects with these ids are in the open document."""
+    import Rhino
+    import System
+
+    document = Rhino.RhinoDoc.ActiveDoc
+    return document is not None and all(document.Objects.FindId(System.Guid(id)) is not None for id in ids)
 
 
 @contextmanager

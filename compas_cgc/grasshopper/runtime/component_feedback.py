@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
+from collections.abc import Sequence
 from typing import Any
 
 from ...errors import ProblemError
@@ -74,13 +75,15 @@ def run_again(component: Any, milliseconds: int, on_deleted: Callable[[], object
     run_later(component, milliseconds, callback)
 
 
-def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
+def reports_errors(outputs: Any, trees: Sequence[str] = ()) -> Callable[[Callable], Callable]:
     """Return a decorator that converts user errors of a component to red balloons and empty outputs.
 
     Parameters
     ----------
     outputs
         NamedTuple class of the outputs.
+    trees
+        Names of the inputs that take data trees.
     """
 
     def decorate(function: Callable) -> Callable:
@@ -89,7 +92,7 @@ def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
         @functools.wraps(function)
         def run(component: Any, *inputs: Any) -> Any:
             try:
-                given = [unwrapped(single(name, value)) for name, value in zip(names, inputs)]
+                given = [value if name in trees else unwrapped(single(name, value)) for name, value in zip(names, inputs)]
                 check_wires(dict(zip(names, given)))
                 return function(component, *given)
             except ProblemError as error:

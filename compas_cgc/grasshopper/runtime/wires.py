@@ -19,7 +19,7 @@ from ...solvers import Settings
 from .address import Address
 from .wire_mesh import WireMesh
 
-__all__ = ["LISTS", "check_wires", "single"]
+__all__ = ["LISTS", "check_wires", "is_tree", "single"]
 
 # Inputs that take lists; the others take a single value.
 LISTS = frozenset(
@@ -152,6 +152,11 @@ WIRES = {
 }
 
 
+def is_tree(value: Any) -> bool:
+    """Check whether a value is a data tree. The type is asked, as the COMPAS mesh of a :class:`WireMesh` has a cost."""
+    return all(hasattr(type(value), name) for name in ("Paths", "Branch", "AllData"))
+
+
 def single(name: str, value: Any) -> Any:
     """Return the value of a single-value input, which arrives as a list if the input is set to list access.
 
@@ -195,7 +200,9 @@ def check_wires(inputs: Mapping[str, Any]) -> None:
 
 
 def _values(value: Any) -> Sequence[Any]:
-    """Return the values of a list; a single value becomes a list. Points can be rows of numbers."""
+    """Return the values of a list or data tree; a single value becomes a list. Points can be rows of numbers."""
+    if is_tree(value):
+        return list(value.AllData())
     is_list = type(value) is list or type(value).__name__.startswith("List") or (type(value) is tuple and not all(map(_is_number, value)))
     return list(value) if is_list else [value]
 

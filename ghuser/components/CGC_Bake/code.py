@@ -13,6 +13,6 @@ from compas_cgc.grasshopper.components.bake import bake as bake_mesh
 
 
 class Bake(Grasshopper.Kernel.GH_ScriptInstance):
-    def RunScript(self, cgc_mesh, layer: str, bake: bool):
+    def RunScript(self, cgc_mesh: Grasshopper.DataTree[object], layer: Grasshopper.DataTree[str], bake: bool):
         out = bake_mesh(ghenv.Component, cgc_mesh, layer, bake)  # noqa: F821
         return out.baked

@@ -13,6 +13,6 @@ from compas_cgc.grasshopper.components.files import write_3dm
 
 
 class Write3dm(Grasshopper.Kernel.GH_ScriptInstance):
-    def RunScript(self, path: str, cgc_mesh, write: bool):
+    def RunScript(self, path: Grasshopper.DataTree[str], cgc_mesh: Grasshopper.DataTree[object], write: bool):
         out = write_3dm(ghenv.Component, path, cgc_mesh, write)  # noqa: F821
         return out.written

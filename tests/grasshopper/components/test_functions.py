@@ -311,7 +311,7 @@ def test_files_there_and_back(tmp_path):
     path = str(tmp_path / "nine.3dm")
     write = place("Write3dm")
     assert write.run(path=path, cgc_mesh=mesh)["written"] is None and write.component.Message == "set write to true"
-    assert write.run(path=path, cgc_mesh=mesh, write=True)["written"] == path
+    assert write.run(path=path, cgc_mesh=mesh, write=True)["written"].AllData() == [path]
     read = place("Read3dm")
     out = read.run(path=path)
     back = out["cgc_mesh"]

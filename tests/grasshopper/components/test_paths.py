@@ -20,7 +20,7 @@ def test_relative_paths_begin_in_the_folder_of_the_definition(tmp_path, monkeypa
     for placed in (write, read):
         placed.component.document.FilePath = str(tmp_path / "roof.gh")
     out = write.run(path=text, cgc_mesh=dome(), write=True)
-    assert out["written"] == str(tmp_path / "roofs" / "dome.obj") and (tmp_path / "roofs" / "dome.obj").exists()
+    assert out["written"].AllData() == [str(tmp_path / "roofs" / "dome.obj")] and (tmp_path / "roofs" / "dome.obj").exists()
     assert read.run(path=text)["cgc_mesh"].number_of_vertices() == 100
 
 

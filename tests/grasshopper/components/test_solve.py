@@ -221,7 +221,7 @@ def test_constraints_drawn_in_a_file_are_held(tmp_path):
     both = until_done(placed, cgc_mesh=mesh, goals=second, run=True)[-1]["mesh"].Vertices
     assert [both[drawn.vertices[0]].Z, both[22].Z] == pytest.approx([0.5, 0.4], abs=1e-9), "those of the wire are added"
     again = place("Write3dm").run(path=str(tmp_path / "out.3dm"), cgc_mesh=out["cgc_mesh"], write=True)
-    back = place("Read3dm").run(path=again["written"])["cgc_mesh"]
+    back = place("Read3dm").run(path=again["written"].AllData()[0])["cgc_mesh"]
     assert [one.height for one in back.goals()] == [0.5], "and the surface carries them on"
 
 
