@@ -46,7 +46,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="ROLE=NAME",
-        help=f"layer to read for ROLE, one of {', '.join(_ROLES)} (default: CGC::Mesh, CGC::Supports, ...)",
+        help=f"layer to read for ROLE, one of {', '.join(_ROLES)} (default: CGC::Mesh, CGC::Supports, ...; in a .dxf all visible layers)",
     )
     group.add_argument(
         "--crease",

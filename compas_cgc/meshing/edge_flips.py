@@ -12,7 +12,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.plan import cross
 
-__all__ = ["Diagonals", "diagonals", "flipped", "flipped_to_valence", "turn", "valences"]
+__all__ = ["Diagonals", "diagonals", "edges_with_counts", "flipped", "flipped_to_valence", "turn", "valences"]
 
 SWEEPS = 60
 LOW_VALENCE_COST = 10
@@ -77,8 +77,7 @@ def flipped_to_valence(
         return np.asarray(excess**2 + LOW_VALENCE_COST * np.maximum(fewest - 6 - excess, 0))
 
     inner = np.ones(n)
-    sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    edges, count = np.unique(sides, axis=0, return_counts=True)
+    edges, count = edges_with_counts(faces)
     inner[edges[count == 1]] = 0.0
     for _ in range(SWEEPS):
         free = diagonals(n, faces, kept)
@@ -101,8 +100,16 @@ def flipped_to_valence(
 
 def valences(n: int, faces: IntArray) -> IntArray:
     """Return the number of edges at every vertex (n,)."""
-    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
-    return np.bincount(edges.ravel(), minlength=n)
+    return np.bincount(edges_with_counts(faces)[0].ravel(), minlength=n)
+
+
+def edges_with_counts(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the edges (e, 2) of triangles, sorted, and the number of faces (e,) of each."""
+    u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    n = int(faces.max(initial=0)) + 1
+    # Codes sort ten times as fast as rows.
+    code, count = np.unique(np.minimum(u, v) * n + np.maximum(u, v), return_counts=True)
+    return np.column_stack(np.divmod(code, n)), count
 
 
 def turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:

@@ -10,6 +10,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from .edge_flips import Diagonals
+from .edge_flips import edges_with_counts
 from .edge_flips import flipped
 from .edge_flips import flipped_to_valence
 
@@ -68,8 +69,7 @@ def plane_angles(plan: FloatArray, faces: IntArray) -> FloatArray:
 
 def _pushed(plan: FloatArray, faces: IntArray, held: Mask, sizes: Sizes) -> tuple[FloatArray, float]:
     """Return the points after a step, and the longest step relative to the edge length."""
-    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
-    u, v = edges.T
+    u, v = edges_with_counts(faces)[0].T
     bar = plan[v] - plan[u]
     length = np.linalg.norm(bar, axis=1)
     wanted = sizes(0.5 * (plan[u] + plan[v]))

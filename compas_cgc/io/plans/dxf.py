@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import re
 from collections import Counter
 from collections.abc import Iterable
 from collections.abc import Iterator
@@ -75,11 +76,12 @@ def read_dxf_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Opti
         If the file cannot be read, or a layer does not exist.
     """
     document = _document(path)
-    chosen = _Layers(document, layers, path)
+    chosen = _Layers(document, layers)
     found = _Found()
     _refuse_too_many(document, path)
     for entity, layer in _expanded(document.modelspace(), chosen, found):
         found.add(entity, layer)
+    chosen.check(path)
     curves = found.curves()
     points = np.array(found.points, dtype=np.float64).reshape(-1, 3)
     made = joined(curves, join)
@@ -112,16 +114,24 @@ def _document(path: Path) -> Any:
 class _Layers:
     """The layers of a document, and which of them are read."""
 
-    def __init__(self, document: Any, names: Optional[Iterable[str]], path: Path):
+    def __init__(self, document: Any, names: Optional[Iterable[str]]):
         self.states = {layer.dxf.name.casefold(): not (layer.is_off() or layer.is_frozen()) for layer in document.layers}
         self.frozen = {layer.dxf.name.casefold() for layer in document.layers if layer.is_frozen()}
         self.counts: Counter = Counter()
-        self.spelled: dict[str, str] = {}
+        self.spelled = {layer.dxf.name.casefold(): layer.dxf.name for layer in document.layers}
         self.wanted = None if names is None else {name.casefold() for name in names}
-        missing = (self.wanted or set()) - set(self.states)
+
+    def check(self, path: Path) -> None:
+        """Check that the wanted layers exist, in the table of layers or only at objects.
+
+        Raises
+        ------
+        FileError
+            If a layer does not exist.
+        """
+        missing = (self.wanted or set()) - set(self.spelled)
         if missing:
-            existing = ", ".join(layer.dxf.name for layer in document.layers)
-            raise FileError(f"{path}: there is no layer {min(missing)!r}; the layers are {existing}")
+            raise FileError(f"{path}: there is no layer {min(missing)!r}; the layers are {', '.join(self.spelled.values())}")
 
     def is_read(self, layer: str) -> bool:
         own = layer.casefold()
@@ -297,10 +307,14 @@ class _Found:
     def notes(self) -> list[str]:
         if not self.omitted:
             return []
-        listed = ", ".join(
-            f"{count} {kind}{'' if count == 1 else 'es' if kind.endswith('h') else 's'}" for kind, count in sorted(self.omitted.items())
-        )
+        listed = ", ".join(f"{count} {kind if count == 1 else _plural(kind)}" for kind, count in sorted(self.omitted.items()))
         return [Omission(f"left out: {listed}")]
+
+
+def _plural(kind: str) -> str:
+    """Return the plural of a noun, which a clause may follow."""
+    noun, *clause = re.split(r"(?= without | with | to | that )", kind, maxsplit=1)
+    return f"{noun}{'es' if noun.endswith('h') else 's'}{''.join(clause)}"
 
 
 def _quads(polygon: list[int]) -> Iterator[list[int]]:

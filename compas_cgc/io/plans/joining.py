@@ -13,7 +13,9 @@ from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...meshing.cleanup import Omission
 from .plan import PlanCurve
+from .plan import length
 from .plan import size
 
 __all__ = ["Joined", "joined"]
@@ -51,7 +53,10 @@ def joined(curves: Sequence[PlanCurve], tolerance: Optional[float] = None) -> Jo
     drawn = [curve for curve in curves if not curve.is_closed]
     least = ROUNDING * whole
     open_curves = _without_duplicates(drawn, least)
-    notes = [_plural(len(drawn) - len(open_curves), "duplicate curve", "removed")] if len(open_curves) < len(drawn) else []
+    notes: list[str] = []
+    if len(open_curves) < len(drawn):
+        removed = length(drawn) - length(open_curves)
+        notes.append(Omission(f"{_plural(len(drawn) - len(open_curves), 'duplicate curve', 'removed')}, {removed:.3g} long together"))
     result: list[PlanCurve] = []
     gaps: list[float] = []
     used = least if tolerance is None else max(tolerance, least)
@@ -158,7 +163,7 @@ def _lone_ends(curves: Sequence[PlanCurve]) -> tuple[FloatArray, FloatArray, Int
     """Return the distance (2 m,) from each end to the nearest other end, the lengths (m,) of the curves, and that end (2 m,)."""
     ends = _ends(curves)
     distance, nearest = cKDTree(ends).query(ends, k=2)
-    lengths = np.array([np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum() for curve in curves])
+    lengths = np.array([length([curve]) for curve in curves])
     # The end itself is found first, but not where two ends coincide.
     other = np.where(nearest[:, 0] == np.arange(len(ends)), nearest[:, 1], nearest[:, 0])
     return distance[:, 1], lengths, other

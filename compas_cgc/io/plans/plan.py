@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
@@ -11,7 +12,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 
-__all__ = ["Layer", "Plan", "PlanCurve", "PlanMesh", "plan_data", "roles", "size"]
+__all__ = ["Layer", "Plan", "PlanCurve", "PlanMesh", "length", "plan_data", "roles", "size"]
 
 
 class PlanCurve(NamedTuple):
@@ -62,14 +63,21 @@ def size(curves: Sequence[PlanCurve]) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def roles(plan: Plan) -> list[str]:
+def length(curves: Sequence[PlanCurve]) -> float:
+    """Return the total length of curves [L]."""
+    return float(sum(np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum() for curve in curves))
+
+
+def roles(plan: Plan, folded: Collection[str] = ()) -> list[str]:
     """Return the role of every curve: ``outline``, ``hole``, ``crease`` or ``outside``.
 
-    The closed curve with the largest area in plan is the outline. Closed curves inside it are holes, open ones are creases.
+    The closed curve with the largest area in plan is the outline. Closed curves inside it are holes, open ones and those on the
+    layers `folded` (in lower case) are creases.
     """
-    areas = [_area(curve.points) if curve.is_closed else -1.0 for curve in plan.curves]
+    bounds = [curve.is_closed and curve.layer.casefold() not in folded for curve in plan.curves]
+    areas = [_area(curve.points) if bound else -1.0 for curve, bound in zip(plan.curves, bounds)]
     outline = int(np.argmax(areas)) if areas and max(areas) > 0 else -1
-    result = ["crease" if not curve.is_closed else "hole" for curve in plan.curves]
+    result = ["hole" if bound else "crease" for bound in bounds]
     if outline < 0:
         return result
     low, high = _box(plan.curves[outline].points)

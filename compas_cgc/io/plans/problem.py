@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from collections.abc import Iterable
 from collections.abc import Mapping
 from pathlib import Path
@@ -40,7 +41,8 @@ def read_dxf(
     path
         The file, text or binary.
     layers
-        Mapping whose values are the names of the layers to read. Default: all visible layers.
+        Names of the layers to read by role: curves on the layers of ``creases`` are creases even if they are closed, those of
+        ``mesh`` are outline, holes and, if they are open, creases, and points are supports. Default: all visible layers.
     crease
         ``"trace"`` or ``"split"``, for creases on the faces of the file.
     tolerance
@@ -55,14 +57,19 @@ def read_dxf(
     """
     names = None if not layers else [name for value in layers.values() for name in _names(value)]
     plan = read_dxf_plan(path, names, tolerance)
+    creases = {name.casefold() for name in _names((layers or {}).get("creases", ()))}
     try:
-        return problem_of_plan(plan, path.stem, edge_length, crease)
+        return problem_of_plan(plan, path.stem, edge_length, crease, creases)
     except (FileError, MeshError) as error:
         raise FileError(f"{path}: {error}") from None
 
 
-def problem_of_plan(plan: Plan, name: str, edge_length: Optional[float], crease: str = "trace") -> ReadProblem:
-    """Return the problem of a plan: its faces, or a mesh inside the outline; points are supports, open curves are creases.
+def problem_of_plan(
+    plan: Plan, name: str, edge_length: Optional[float], crease: str = "trace", folded: Collection[str] = ()
+) -> ReadProblem:
+    """Return the problem of a plan: its faces, or a mesh inside the outline; points are supports.
+
+    Open curves, and all curves on the layers `folded` (in lower case), are creases.
 
     Raises
     ------
@@ -70,7 +77,7 @@ def problem_of_plan(plan: Plan, name: str, edge_length: Optional[float], crease:
         If the plan holds neither faces nor a closed curve, or the edge length is missing.
     """
     unit = unit_suffix(plan.unit)
-    part = roles(plan)
+    part = roles(plan, folded)
     labelled = [
         Drawn(f"the {role} on layer {curve.layer} at ({curve.points[0, 0]:.6g}, {curve.points[0, 1]:.6g})", "curve", curve.points, None, {})
         for role, curve in zip(part, plan.curves)

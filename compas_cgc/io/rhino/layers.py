@@ -225,14 +225,14 @@ def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
     creases = [item for item in shown if item.kind == "curve"]
     outlines = []
     if not mesh:
-        # Without a mesh, the largest closed curve is the boundary.
+        # Without a mesh, the largest closed curve is the boundary and closed curves inside it are holes, as in other drawings.
         closed = sorted((item for item in creases if item.geometry.IsClosed), key=_reach)
-        outlines = closed[-1:]
+        holes = [item for item in closed[:-1] if _overlap(item, closed[-1])]
+        outlines = [*closed[-1:], *holes]
         creases = [item for item in creases if item not in outlines]
-        within = [item for item in closed[:-1] if _overlap(item, closed[-1])]
-        if within:
-            taken = "1 closed curve inside it as a crease" if len(within) == 1 else f"{len(within)} closed curves inside it as creases"
-            more.append(f"{closed[-1].label} was used as the outline and {taken}; draw holes and outline on the layer CGC::Mesh")
+        if holes:
+            taken = "the closed curve inside it as a hole" if len(holes) == 1 else f"{len(holes)} closed curves inside it as holes"
+            more.append(f"{closed[-1].label} was used as the outline and {taken}; draw closed creases on the layer CGC::Creases")
     return Selection(mesh, supports, creases, targets, [], [], outlines, regions, notes + more)
 
 

@@ -6,9 +6,12 @@ import ezdxf
 import numpy as np
 import pytest
 
+from compas_cgc.discrete import face_areas
 from compas_cgc.errors import FileError
+from compas_cgc.io import read_problem
 from compas_cgc.io.plans import read_plan
 from compas_cgc.io.plans.plan import roles
+from compas_cgc.io.plans.problem import problem_of_plan
 from compas_cgc.io.plans.problem import read_dxf
 from tests.support.rhino_models import Sketch
 
@@ -98,7 +101,7 @@ def test_three_ends_at_one_place_stay_apart_and_duplicates_go(drawn):
         model.add_line((5, 0), (0, 0))
 
     plan = drawn(draw)
-    assert len(plan.curves) == 3 and "1 duplicate curve was removed" in plan.notes
+    assert len(plan.curves) == 3 and "1 duplicate curve was removed, 5 long together" in plan.notes
 
 
 def test_hidden_layers_paper_space_and_other_objects_are_named(drawn):
@@ -117,6 +120,25 @@ def test_hidden_layers_paper_space_and_other_objects_are_named(drawn):
         drawn(draw, layers=["walls"])
     paper = drawn(lambda document, model: document.layout("Layout1").add_line((0, 0), (1, 1)))
     assert any("1 objects lie in paper space" in note or "2 objects lie in paper space" in note for note in paper.notes)
+
+
+def test_layers_that_only_objects_name_can_be_chosen(tmp_path):
+    text = "0\nSECTION\n2\nENTITIES\n"
+    for layer, y in (("ROOF", 1), ("GRID", 5)):
+        text += f"0\nLINE\n8\n{layer}\n10\n0\n20\n{y}\n11\n9\n21\n{y}\n"
+    (path := tmp_path / "lines.dxf").write_text(text + "0\nENDSEC\n0\nEOF\n")
+    assert [curve.layer for curve in read_plan(path, layers=["roof"]).curves] == ["ROOF"]
+    with pytest.raises(FileError, match="no layer 'wall'.*ROOF"):
+        read_plan(path, layers=["wall"])
+
+
+def test_the_plural_of_what_was_left_out(drawn):
+    def draw(document, model):
+        for _ in range(2):
+            model.add_line((1, 1), (1, 1))
+            model.add_hatch()
+
+    assert "left out: 2 hatches, 2 lines without length" in drawn(draw).notes
 
 
 def test_blocks_that_multiply_are_refused(tmp_path):
@@ -191,3 +213,23 @@ def test_a_3dm_file_gives_the_same_plan(tmp_path):
     sketch.points([[2, 3, 0]])
     plan = read_plan(sketch.save(tmp_path / "plan.3dm"))
     assert roles(plan) == ["outline", "crease"] and np.allclose(plan.points, [[2, 3, 0]])
+
+
+def test_an_inner_closed_curve_is_a_hole_from_every_door(tmp_path):
+    inner = [[4, 2, 0], [6, 2, 0], [6, 4, 0], [4, 4, 0]]
+    sketch = Sketch()
+    for ring in ([[*corner, 0] for corner in SQUARE], inner):
+        sketch.curve([*ring, ring[0]])
+    model = sketch.save(tmp_path / "roof.3dm")
+    document = ezdxf.new(units=6)
+    document.layers.add("inside")
+    _square(document, document.modelspace())
+    document.modelspace().add_lwpolyline([p[:2] for p in inner], close=True, dxfattribs={"layer": "inside"})
+    document.saveas(drawing := tmp_path / "roof.dxf")
+    problems = [read_problem(path, edge_length=1.0).checked() for path in (model, drawing)]
+    problems.append(problem_of_plan(read_plan(model), "roof", 1.0).checked())
+    surface = sum(face_areas(problems[0].vertices, problems[0].faces))
+    assert surface == pytest.approx(60 - 4)
+    assert all(sum(face_areas(own.vertices, own.faces)) == pytest.approx(surface) and not len(own.creases) for own in problems)
+    folded = read_problem(drawing, edge_length=1.0, layers={"mesh": "0", "creases": "INSIDE"})
+    assert sum(face_areas(folded.problem.vertices, folded.problem.faces)) == pytest.approx(60) and len(folded.problem.crease_paths()) == 1

@@ -87,8 +87,9 @@ def test_without_layers_the_widest_closed_curve_is_the_outline(mesher, tmp_path)
     sketch.curve([[2, 2, 0], [6, 2, 0], [6, 6, 0], [2, 6, 0], [2, 2, 0]])
     sketch.curve(SQUARE)
     model = read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
-    assert len(CGCMesh.from_problem(model.checked()).regions()) == 2 and not model.diagnostics
-    assert any("1 closed curve inside it as a crease; draw holes and outline" in note for note in model.notes)
+    mesh = CGCMesh.from_problem(model.checked())
+    assert len(mesh.regions()) == 1 and len(mesh.boundary_loops()) == 2 and not model.diagnostics
+    assert any("the closed curve inside it as a hole; draw closed creases on the layer CGC::Creases" in note for note in model.notes)
 
 
 def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
