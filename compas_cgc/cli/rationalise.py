@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = "Find the surface nearest to a freeform design whose panels come off few moulds."
     parser.epilog = _EPILOG
-    parser.add_argument("input", metavar="DESIGN", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    parser.add_argument("input", metavar="DESIGN", help="a .3dm, .step, .obj, .ply, .off, .stl or COMPAS .json file")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the file to write, a .3dm for panels, seams and distances")
     parser.add_argument("--panel", metavar="L", help="width of the panels, such as 2.5 or 2500mm (default: a twelfth of the longer side)")
     parser.add_argument(

@@ -28,6 +28,8 @@ from .unwrapping import unwrapped
 
 __all__ = ["Design", "DesignInput", "read_design"]
 
+STEP = (".step", ".stp")
+
 DesignInput = Union[str, os.PathLike, SplineSurface, Any]
 
 TOLERANCE = 1e-4  # of the size of a mesh, within which it is fitted by default
@@ -59,8 +61,8 @@ def read_design(design: DesignInput, *, tolerance: Optional[float] = None, seams
     Parameters
     ----------
     design
-        A :class:`~compas_cgc.rationalisation.SplineSurface`; the path of a ``.3dm`` or mesh file; a COMPAS mesh; or vertices (n, 3)
-        and faces, triangles, quads or polygons.
+        A :class:`~compas_cgc.rationalisation.SplineSurface`; the path of a ``.3dm``, ``.step`` or mesh file; a COMPAS mesh; or
+        vertices (n, 3) and faces, triangles, quads or polygons.
     tolerance
         Largest distance between a mesh and the smooth surface fitted to it [L]. Default: that of the file, or a ten-thousandth of
         its size.
@@ -100,14 +102,22 @@ def read_design(design: DesignInput, *, tolerance: Optional[float] = None, seams
 
 
 def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str]) -> Design:
-    if path.suffix.lower() != ".3dm":
+    suffix = path.suffix.lower()
+    if suffix not in (".3dm", *STEP):
         from ..io import read_problem
 
         read = read_problem(path)
         return read_design(read.checked(), tolerance=tolerance)._replace(notes=read.notes)
-    from ..io.rhino.designs import read_drawn_design
+    if suffix in STEP:
+        from ..io.step_design import read_step_design
 
-    drawn = read_drawn_design(path, seams)
+        if seams is not None:
+            raise CGCError(f"seams on a layer need a .3dm file, and {path.name} is a STEP file; give the seams in a .3dm of their own")
+        drawn = read_step_design(path)
+    else:
+        from ..io.rhino.designs import read_drawn_design
+
+        drawn = read_drawn_design(path, seams)
     if drawn.spline is not None:
         made = Design(SplineSurface(*drawn.spline), (), 0.0)
     else:

@@ -1,0 +1,52 @@
+"""Designs of STEP files: untrimmed surfaces exactly, trimmed faces by triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import compas_cgc
+from compas_cgc.discrete.nurbs import NurbsPatch
+from compas_cgc.errors import CGCError
+from compas_cgc.errors import FileError
+from compas_cgc.io.opencascade import opencascade
+from compas_cgc.io.opencascade import step_content
+from compas_cgc.io.opencascade import untrimmed_face
+from compas_cgc.io.step_design import read_step_design
+from compas_cgc.rationalisation import read_design
+from tests.support.freeform import quarter_torus
+
+pytest.importorskip("compas_occt")
+
+
+def test_an_untrimmed_rational_surface_is_read_exactly(tmp_path):
+    torus = quarter_torus()
+    half = NurbsPatch(torus.control[:, :5], (torus.knots[0], np.array([0, 0, 0, 1, 1, 2, 2, 2.0])), torus.degrees)
+    path = tmp_path / "torus.step"
+    path.write_bytes(step_content(untrimmed_face(opencascade(), half.scaled(1e3)), "torus"))
+    design = read_design(path)
+    assert design.drawing.units == "Millimeters" and not design.trimmed
+    u, v = np.linspace(0, 1, 9), np.linspace(0, 2, 11)
+    found = NurbsPatch(design.surface.control, design.surface.knots, design.surface.degrees).at(u, v)
+    assert np.abs(found - 1e3 * half.at(u, v)).max() < 1e-8
+
+
+def test_a_shell_of_trimmed_faces_is_one_design(tmp_path):
+    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    compas_cgc.write(tmp_path / "cushion.step", result)
+    drawn = read_step_design(tmp_path / "cushion.step")
+    size = 1e3 * np.linalg.norm(np.ptp(result.vertices, axis=0))
+    assert drawn.spline is None and np.linalg.norm(np.ptp(drawn.vertices, axis=0)) == pytest.approx(size, rel=1e-3)
+    design = read_design(tmp_path / "cushion.step")
+    assert design.trimmed and design.deviation < 1e-4 * size
+
+
+def test_files_without_a_design_get_one_sentence(tmp_path):
+    garbage = tmp_path / "garbage.step"
+    garbage.write_text("ISO-10303-21;\nnothing\n", encoding="utf-8")
+    with pytest.raises(FileError, match=r"garbage\.step (holds no faces|cannot be read)"):
+        read_design(garbage)
+    with pytest.raises(FileError, match="there is no file"):
+        read_design(tmp_path / "missing.step")
+    with pytest.raises(CGCError, match="seams on a layer need"):
+        read_design(garbage, seams="Joints")
