@@ -29,9 +29,10 @@ GRAZING_LENGTH, GRAZING_DISTANCE = (
     0.25,
     0.1,
 )  # length of a near-contact of curves and distance beside it that count as grazing, relative to the edge length
+MIN_PLAN_COSINE = 0.7  # least cosine between the normal of an outline and z for a mesh in plan, where triangles are stretched by 1.4
 SAMPLES_PER_EDGE = 32  # sample points per edge length
 
-__all__ = ["Outlined", "mesh_from_outline", "refuse_passed_over"]
+__all__ = ["Outlined", "mesh_from_outline", "own_plane", "refuse_passed_over"]
 
 
 class Outlined(NamedTuple):
@@ -53,7 +54,8 @@ def mesh_from_outline(
     """Return a mesh of near-equilateral triangles within an outline, with edges along all curves.
 
     Points are spread along the curves, denser at small features, and a triangular lattice fills the rest of the plan; the result
-    is relaxed. The best of several lattices is returned. Heights follow the curves, with a thin plate between them.
+    is relaxed. The best of several lattices is returned. Heights follow the curves, with a thin plate between them. Upright and
+    steep outlines are meshed in their own plane instead of in plan.
 
     Parameters
     ----------
@@ -90,6 +92,12 @@ def mesh_from_outline(
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
     if not _is_length(edge_length):
         raise MeshError(f"the edge length must be a positive number in the unit of the outline, not {edge_length!r}")
+    axes = own_plane(np.asarray(outline, dtype=np.float64))
+    if axes is not None:
+        turned = [[np.asarray(line, dtype=np.float64) @ axes.T for line in lines] for lines in ((outline,), holes, creases)]
+        given = None if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3) @ axes.T
+        made = mesh_from_outline(turned[0][0], turned[1], turned[2], edge_length, tolerance, given)
+        return made._replace(vertices=made.vertices @ axes)
     outline, *holes = (_closed(np.asarray(ring), tolerance) for ring in (outline, *holes))
     rings = [ring[:, :2] for ring in (outline, *holes)]
     domain = shapely.Polygon(rings[0], rings[1:])
@@ -123,6 +131,23 @@ def mesh_from_outline(
     vertices = np.column_stack([plan, heights])
     place = cKDTree(plan)
     return Outlined(vertices, faces, [place.query(line)[1].tolist() for line in inner])
+
+
+def own_plane(outline: FloatArray) -> Optional[FloatArray]:
+    """Return axes (3, 3), the rows, of the plane of a steep outline (k, 3), the last one its normal; None for an outline in plan."""
+    if len(outline) < 3 or outline.shape[1] != 3 or not np.isfinite(outline).all():
+        return None
+    away = outline - outline.mean(axis=0)
+    normal = np.cross(away, np.roll(away, -1, axis=0)).sum(axis=0)
+    length = float(np.linalg.norm(normal))
+    if length <= np.finfo(float).eps * float((away**2).sum()) or abs(normal[2]) >= MIN_PLAN_COSINE * length:
+        return None
+    normal /= length
+    # The same plane gives the same axes, whatever the sense of the outline.
+    normal *= np.sign(normal[np.argmax(np.abs(normal))])
+    along = np.cross([0.0, 0.0, 1.0], normal)
+    along /= np.linalg.norm(along)
+    return np.array([along, np.cross(normal, along), normal])
 
 
 def refuse_outside(outline: FloatArray, creases: Sequence[FloatArray]) -> None:
@@ -232,8 +257,6 @@ def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> 
         return f"point {lost[0]} of the outline has a coordinate that is not a finite number; correct it"
     said = shapely.is_valid_reason(domain)
     at = said.partition("[")[2].rstrip("]").replace(" ", ", ")
-    if domain.area < MAX_POINT_DISTANCE * edge_length**2 and np.ptp(outline[:, 2]) > edge_length:
-        return "the outline has almost no area in plan; draw a vertical outline in the xy plane, and rotate the mesh afterwards"
     if len(outline) > 2 and np.linalg.matrix_rank(outline[1:, :2] - outline[0, :2], tol=MAX_POINT_DISTANCE * edge_length) < 2:
         return "the points of the outline lie on one line; move one of them off it"
     if said.startswith("Self-intersection"):

@@ -46,7 +46,7 @@ class FaceMesh(NamedTuple):
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 3), counterclockwise in parameter space
     deviation: float  # largest distance between a triangle's centre and the surface there [L]
-    kinks: tuple[FloatArray, ...] = ()  # (k, 3) polylines along mesh edges on kinks [L]
+    kinks: tuple[FloatArray, ...] = ()  # (k, 3) polylines along mesh edges on kinks, then on given curves [L]
 
 
 class SurfaceMesh(NamedTuple):
@@ -64,6 +64,7 @@ def mesh_face(
     points: Sequence[FloatArray],
     edge_length: float,
     kinks: Sequence[tuple[int, float]] = (),
+    curves: Sequence[FloatArray] = (),
 ) -> FaceMesh:
     """Return a mesh of near-equilateral triangles within the loops of a trimmed surface.
 
@@ -83,6 +84,9 @@ def mesh_face(
     kinks
         Kinks as pairs of parameter axis, 0 or 1, and value. Mesh edges run along a kink if the loops have points at both of its
         ends.
+    curves
+        Parameters (k, 2) of points along curves that become mesh edges. Ends on the boundary are points of the loops; curves do not
+        cross each other or kinks.
 
     Raises
     ------
@@ -106,6 +110,7 @@ def mesh_face(
     strange = corners[cKDTree(rim).query(corners)[0] > 0.0]
     rim, places = np.concatenate([rim, strange]), np.concatenate([places, evaluate(to_parameters(strange))])
     lines = _kink_lines(evaluate, domain, loops, kinks, edge_length) if not len(strange) else []
+    lines += curves if not len(strange) else []
     flat = [to_lengths(line) for line in lines]
     ends = np.array([line[k] for line in lines for k in (0, -1)]).reshape(-1, 2)
     # Ends of lines at crossings of kinks, which no loop has a point at.

@@ -12,6 +12,9 @@ from compas_cgc import CGCMesh
 from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import MeshError
+from compas_cgc.meshing.outline import mesh_from_outline
+from compas_cgc.meshing.polyline import nearest_on_polyline
+from compas_cgc.meshing.relaxation import plane_angles
 
 from ..support.tiers import push_only
 
@@ -133,11 +136,25 @@ def test_an_outline_is_closed_however_it_ends(end):
     assert np.array_equal(mesh.arrays()[0], same.arrays()[0]) and np.array_equal(mesh.arrays()[1], same.arrays()[1])
 
 
+@pytest.mark.parametrize("slope", [90.0, 60.0, -90.0])
+def test_upright_and_steep_outlines_are_meshed_in_their_own_plane(slope):
+    outline = ring((0, 0), (12, 0), (12, 6), (0, 6))
+    turn = np.radians(slope)
+    rotation = np.array([[1, 0, 0], [0, np.cos(turn), np.sin(turn)], [0, -np.sin(turn), np.cos(turn)]])
+    line = np.array([[4.0, 0.0, 0.0], [5.0, 3.0, 0.0], [4.0, 6.0, 0.0]])
+    made = mesh_from_outline(outline @ rotation, [], [line @ rotation], 0.4, 1e-3)
+    flat = made.vertices @ rotation.T
+    assert np.abs(flat[:, 2]).max() < 1e-9 and 900 < len(made.faces) < 1200
+    assert np.degrees(np.abs(plane_angles(flat[:, :2], made.faces))).min() > 25.0
+    on = flat[np.unique(np.concatenate(made.creases))]
+    assert nearest_on_polyline(on, line)[0].max() < 1e-9
+    assert np.linalg.norm(on[:, None] - line, axis=2).min(axis=0).max() < 1e-9
+
+
 @pytest.mark.parametrize(
     "outline, edge, sentence",
     [
         (ring((0, 0), (10, 8), (10, 0), (0, 8)), 1.0, "crosses itself or another one at (5, 4)"),
-        (SQUARE[:, [0, 2, 1]], 1.0, "draw a vertical outline in the xy plane"),
         (SQUARE, 0.001, "check that the outline and the edge length have the same unit"),
         (SQUARE, 30.0, "use a shorter edge"),
         (SQUARE, "1 m", "must be a positive number"),

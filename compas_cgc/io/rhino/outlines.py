@@ -12,6 +12,7 @@ from ...errors import FileError
 from ...errors import MeshError
 from ...meshing.outline import Outlined
 from ...meshing.outline import mesh_from_outline
+from ...meshing.outline import own_plane
 from ...meshing.polyline import nearest_on_polyline
 from .curves import curve_points
 from .curves import to_drawn
@@ -92,6 +93,17 @@ def outlined(
         if gap > tolerance:
             missing = f" with a gap of {gap:.3g}" if np.isfinite(gap) else ""
             raise MeshError(f"{name} is open{missing}; close it (Rhino: CloseCrv)")
+    axes = own_plane(max((points for _, points in outlines), key=_area))
+    if axes is not None:
+        flat = outlined(
+            [(name, points @ axes.T) for name, points in outlines],
+            [crease._replace(points=crease.points @ axes.T) for crease in creases],
+            columns @ axes.T,
+            edge_length,
+            tolerance,
+        )
+        part = flat.part._replace(vertices=flat.part.vertices @ axes)
+        return flat._replace(part=part, creases=[crease._replace(points=crease.points @ axes) for crease in flat.creases])
     rings = _once(outlines, min(tolerance, COINCIDENCE * edge_length))
     boundary, *holes = sorted(rings, key=lambda points: -_area(points))
     lines = [crease for crease in creases if len(crease.points) > 1]
@@ -136,5 +148,6 @@ def _pieces(made: Outlined, creases: Sequence[Drawn]) -> list[Drawn]:
 
 
 def _area(points: FloatArray) -> float:
-    x, y = points[:-1, 0], points[:-1, 1]
-    return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
+    """Return the area enclosed by a closed curve (k, 3) in the plane where it is largest."""
+    away = points - points[0]
+    return 0.5 * float(np.linalg.norm(np.cross(away[:-1], away[1:]).sum(axis=0)))

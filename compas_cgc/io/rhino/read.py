@@ -92,7 +92,10 @@ def read_3dm(
     own = float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance
     try:
         unit = unit_suffix(unit_name(archive.Settings.ModelUnitSystem))
-        converted = [_converted(item, found.mesh, edge_length, own, unit) for item in found.mesh]
+        lines = _drawn([item for item in found.creases if item.kind == "curve"], 0.25 * own) if len(found.mesh) == 1 else []
+        converted = [_converted(item, found.mesh, edge_length, own, unit, lines) for item in found.mesh]
+        if any(made.laid for made in converted):
+            found = found._replace(creases=[item for item in found.creases if item.kind != "curve"])
         if not converted:
             converted = [outline_part(found, edge_length, own)]
             # The creases are edges of the mesh now, cut at the outline.
@@ -132,14 +135,16 @@ def read_curves(path: Union[str, os.PathLike], layer: str) -> list[FloatArray]:
     return [curve_points(item.geometry, float(archive.Settings.ModelAbsoluteTolerance)) for item in items]
 
 
-def _converted(item: Item, items: list[Item], edge_length: Optional[float], tolerance: float, unit: str) -> MeshedSurface:
+def _converted(
+    item: Item, items: list[Item], edge_length: Optional[float], tolerance: float, unit: str, creases: list[Drawn]
+) -> MeshedSurface:
     """Return the mesh of an object: its own, a mesh of its surface, or its render mesh."""
     if item.kind == "mesh" or (edge_length is None and has_mesh(item)):
         part, notes = to_part(item)
         return MeshedSurface(part, [], notes)
     length = default_edge_length(items) if edge_length is None else edge_length
     try:
-        return surface_part(item, length, tolerance, unit)
+        return surface_part(item, length, tolerance, unit, creases)
     except FileError:
         if not has_mesh(item):
             raise

@@ -192,9 +192,11 @@ def problem_from_surfaces(
     outlines = [one for one in items if hasattr(one, "TryGetPolyline")]
     if outlines and len(outlines) < len(items):
         raise FileError("the input has both curves and surfaces; connect either surfaces or closed curves")
-    if not outlines:
-        return _assembled(_meshed(items, edge_length, tolerance, units), supports, creases, tolerance, units, crease)
     fine = 0.25 * tolerance
+    if not outlines:
+        drawn = [Drawn(f"curve {i}", "curve", curve_to_points(curve, fine), None, {}) for i, curve in enumerate(creases)]
+        parts = _meshed(items, edge_length, tolerance, units, drawn)
+        return _assembled(parts, supports, [] if parts[0].laid else creases, tolerance, units, crease)
     rings = [(f"curve {i}", _closed(curve_to_points(curve, fine), tolerance)) for i, curve in enumerate(outlines)]
     every = np.concatenate([points for _, points in rings])
     length = rounded_length(every) if edge_length is None else edge_length
@@ -215,14 +217,14 @@ def _closed(points: FloatArray, tolerance: float) -> FloatArray:
 
 
 def _meshed(
-    surfaces: Sequence[Rhino.Geometry.GeometryBase], edge_length: Optional[float], tolerance: float, units: str
+    surfaces: Sequence[Rhino.Geometry.GeometryBase], edge_length: Optional[float], tolerance: float, units: str, creases: Sequence[Drawn]
 ) -> list[MeshedSurface]:
-    """Return the meshes of surfaces."""
+    """Return the meshes of surfaces; a single one gets edges along creases if possible."""
     items = [
         Item(_in_rhino3dm(one), type(one).__name__, str(number), "the canvas", "", {}, {}, False) for number, one in enumerate(surfaces)
     ]
     length = default_edge_length(items) if edge_length is None else edge_length
-    return [surface_part(item, length, tolerance, unit_suffix(units)) for item in items]
+    return [surface_part(item, length, tolerance, unit_suffix(units), creases if len(items) == 1 else ()) for item in items]
 
 
 def _in_rhino3dm(geometry: Rhino.Geometry.GeometryBase) -> Any:

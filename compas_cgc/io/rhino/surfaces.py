@@ -16,6 +16,7 @@ from ...errors import MeshError
 from ...meshing.kinks import KINK_ANGLE
 from ...meshing.kinks import angles_between
 from ...meshing.polyline import arc_lengths
+from ...meshing.polyline import nearest_on_polyline
 from ...meshing.polyline import point_at
 from ...meshing.polyline import resample_all
 from ...meshing.surface_mesh import FaceMesh
@@ -39,16 +40,23 @@ MAX_LEVELS = 5  # of subdivision
 MAX_ATTEMPTS = 3  # each halves the edge length
 
 
-# Vertices (n, 3), triangles (m, 3), lines along sharp joints, and the largest deviation [L].
-Meshed = tuple[FloatArray, IntArray, list[FloatArray], float]
+class Meshed(NamedTuple):
+    """Mesh of a surface as arrays."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    faces: IntArray  # (m, 3)
+    joints: list[FloatArray]  # (k, 3) lines along sharp joints [L]
+    deviation: float  # largest deviation [L]
+    creases: list[FloatArray]  # (k, 3) mesh edges along drawn creases [L]; empty if they are not laid
 
 
 class MeshedSurface(NamedTuple):
     """Mesh of a surface."""
 
     part: Part
-    creases: list[Drawn]  # sharp joints of faces
+    creases: list[Drawn]  # sharp joints of faces, and drawn creases if they are laid
     notes: list[str]
+    laid: bool = False  # whether the mesh has edges along all drawn creases
 
 
 def default_edge_length(items: Sequence[Item]) -> float:
@@ -64,7 +72,7 @@ def rounded_length(points: FloatArray) -> float:
     return float(f"{np.linalg.norm(np.ptp(points, axis=0)) / EDGES:.1g}")
 
 
-def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "") -> MeshedSurface:
+def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "", creases: Sequence[Drawn] = ()) -> MeshedSurface:
     """Mesh a surface evenly.
 
     The edges of a Brep are divided first, so that adjacent faces share vertices. A SubD is subdivided and its vertices are moved
@@ -80,6 +88,8 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
         Absolute tolerance of the file [L].
     unit
         Unit appended to lengths in the notes.
+    creases
+        Curves on the surface. If it has one face and they do not cross each other, mesh edges run along them.
 
     Raises
     ------
@@ -93,24 +103,27 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
         geometry = geometry.ToBrep(True)
     elif isinstance(geometry, rhino3dm.Surface):
         geometry = rhino3dm.Brep.CreateFromSurface(geometry)
-    (vertices, faces, creases, deviation), length = _attempted(item, geometry, edge_length, tolerance)
+    made, length = _attempted(item, geometry, edge_length, tolerance, [crease.points for crease in creases])
+    vertices, faces, deviation = made.vertices, made.faces, made.deviation
     text = f"{item.label} was meshed with edges of about {length:g}{unit}, within {deviation:.2g}{unit} of the surface"
     if length < edge_length:
         text += f"; edges of {edge_length:g}{unit} would intersect"
-    if creases:
-        text += f"; {len(creases)} sharp joints became creases" if len(creases) > 1 else "; a sharp joint became a crease"
-    drawn = [Drawn(f"a joint of {item.label}", "curve", line, None, {}) for line in creases]
+    if made.joints:
+        text += f"; {len(made.joints)} sharp joints became creases" if len(made.joints) > 1 else "; a sharp joint became a crease"
+    drawn = [Drawn(f"a joint of {item.label}", "curve", line, None, {}) for line in made.joints]
+    drawn += [crease._replace(points=line) for crease, line in zip(creases, made.creases)]
     law = user_law({**item.layer_text, **item.text})
-    return MeshedSurface(Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, law, item.text), drawn, [text])
+    part = Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, law, item.text)
+    return MeshedSurface(part, drawn, [text], bool(made.creases))
 
 
-def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: float) -> tuple[Meshed, float]:
+def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: float, creases: Sequence[FloatArray]) -> tuple[Meshed, float]:
     """Return the mesh of a surface and the edge length, which is halved while coarsely divided edges intersect."""
     reason = ""
     for attempt in range(MAX_ATTEMPTS):
         length = edge_length * 0.5**attempt
         try:
-            return _meshed(geometry, length, tolerance), length
+            return _meshed(geometry, length, tolerance, creases), length
         except MeshError as error:
             reason = str(error)
             if "install" in reason:
@@ -119,28 +132,41 @@ def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: fl
     raise FileError(f"{item.label} cannot be meshed ({reason}); {mend}")
 
 
-def _meshed(geometry: Geometry, edge_length: float, tolerance: float) -> Meshed:
+def _meshed(geometry: Geometry, edge_length: float, tolerance: float, creases: Sequence[FloatArray]) -> Meshed:
     rhino3dm = rhino3dm_module()
 
     if isinstance(geometry, rhino3dm.SubD):
         return _subdivided(geometry, edge_length)
     if isinstance(geometry, rhino3dm.Brep) and len(geometry.Faces):
-        return _faces_of_brep(geometry, edge_length, tolerance)
+        return _faces_of_brep(geometry, edge_length, tolerance, creases)
     raise MeshError("it has no faces")
 
 
-def _faces_of_brep(brep: Geometry, edge_length: float, tolerance: float) -> Meshed:
-    """Return vertices, faces, sharp joints and the largest deviation."""
+def _faces_of_brep(brep: Geometry, edge_length: float, tolerance: float, creases: Sequence[FloatArray]) -> Meshed:
+    """Return the mesh of all faces, with edges along creases on a single face."""
     fine = min(max(0.25 * tolerance, 1e-6 * edge_length), 0.02 * edge_length)
     lines = [curve_points(brep.Edges[i], fine) for i in range(len(brep.Edges))]
     surfaces = [ParametricSurface(brep.Faces[i].UnderlyingSurface()) for i in range(len(brep.Faces))]
     stops = _crossings(brep, surfaces, lines, edge_length)
+    drawn = _apart_creases(creases, surfaces[0], SIDE_TOLERANCE * edge_length) if len(surfaces) == 1 else []
+    for crease in drawn:
+        for end in crease[[0, -1]]:
+            for i, line in enumerate(lines):
+                gap, at = nearest_on_polyline(end[None], line)
+                if gap[0] <= SIDE_TOLERANCE * edge_length:
+                    stops.setdefault(i, []).append(float(at[0]))
     edges = [_divided(line, edge_length, stops.get(i, [])) for i, line in enumerate(lines)]
+    rim = np.concatenate(edges)
+    for crease in drawn:
+        for k in (0, -1):
+            gap, at = cKDTree(rim).query(crease[k])
+            crease[k] = rim[at] if gap <= SIDE_TOLERANCE * edge_length else crease[k]
+    drawn = [_divided(crease, edge_length, []) for crease in drawn]
     vertices, faces, count, deviation = [], [], 0, 0.0
     kinks: list[FloatArray] = []
     normals: dict[int, list[FloatArray]] = {}
     for face, surface in zip(brep.Faces, surfaces):
-        made, ends = _face(face, surface, edges, edge_length)
+        made, ends = _face(face, surface, edges, edge_length, drawn)
         vertices.append(made.vertices)
         faces.append(made.faces + count)
         count += len(made.vertices)
@@ -149,7 +175,23 @@ def _faces_of_brep(brep: Geometry, edge_length: float, tolerance: float) -> Mesh
         for edge, normal in ends:
             normals.setdefault(edge, []).append(normal)
     sharp = [edge for edge, found in normals.items() if len(found) == 2 and angles_between(*found).max() > KINK_ANGLE]
-    return np.concatenate(vertices), np.concatenate(faces), [edges[edge] for edge in sorted(sharp)] + kinks, deviation
+    joints = [edges[edge] for edge in sorted(sharp)] + kinks[: len(kinks) - len(drawn)]
+    return Meshed(np.concatenate(vertices), np.concatenate(faces), joints, deviation, kinks[len(kinks) - len(drawn) :])
+
+
+def _apart_creases(creases: Sequence[FloatArray], surface: ParametricSurface, reach: float) -> list[FloatArray]:
+    """Return copies of creases (k, 3) if all of them lie on a surface without kinks and do not meet, otherwise none."""
+    import shapely
+
+    if surface.kinks or any(len(crease) < 2 for crease in creases):
+        return []
+    uv = [surface.pulled_back(crease, reach) for crease in creases]
+    if any(np.linalg.norm(surface.at(own) - crease, axis=1).max() > reach for own, crease in zip(uv, creases)):
+        return []
+    flat = [shapely.LineString(own) for own in uv]
+    if any(not line.is_simple or line.is_ring for line in flat) or any(a.intersects(b) for k, a in enumerate(flat) for b in flat[:k]):
+        return []
+    return [np.array(crease) for crease in creases]
 
 
 def _crossings(
@@ -172,7 +214,7 @@ def _trims(loop: Any) -> list[Any]:
 
 
 def _face(
-    face: Any, surface: ParametricSurface, edges: Sequence[FloatArray], edge_length: float
+    face: Any, surface: ParametricSurface, edges: Sequence[FloatArray], edge_length: float, creases: Sequence[FloatArray]
 ) -> tuple[FaceMesh, list[tuple[int, FloatArray]]]:
     """Return the mesh of a face, and its normals (k - 1, 3) between the points of every edge."""
     sense = -1.0 if face.OrientationIsReversed else 1.0
@@ -194,7 +236,16 @@ def _face(
             points.append(place)
     if not loops:
         raise MeshError("it has a face without edges")
-    made = mesh_face(surface.at, *surface.snapped_to_kinks(loops, points), edge_length, surface.kinks)
+    loops, _ = surface.snapped_to_kinks(loops, points)
+    curves = [surface.pulled_back(crease, SIDE_TOLERANCE * edge_length) for crease in creases]
+    rim, places = np.concatenate(loops), cKDTree(np.concatenate(points))
+    for curve, crease in zip(curves, creases):
+        for k in (0, -1):
+            gap, at = places.query(crease[k])
+            curve[k] = rim[at] if gap == 0.0 else curve[k]
+    made = mesh_face(surface.at, loops, points, edge_length, surface.kinks, curves)
+    if len(curves) and len(made.kinks) != len(curves):
+        raise MeshError("its creases cannot be laid")
     return (made._replace(faces=made.faces[:, ::-1]) if sense < 0 else made), normals
 
 
@@ -247,7 +298,7 @@ def _subdivided(subd: Geometry, edge_length: float) -> Meshed:
     triangles = np.concatenate([F[:, :3], F[F[:, 2] != F[:, 3]][:, [0, 2, 3]]])
     sides = V[triangles]
     sagitta = np.linalg.norm(net - limit, axis=1).max(initial=0.0) if len(limit) == len(net) else np.linalg.norm(np.ptp(sides, axis=1))
-    return V, triangles, creases, float(sagitta)
+    return Meshed(V, triangles, creases, float(sagitta), [])
 
 
 def _place(point: Any) -> tuple[float, float, float]:

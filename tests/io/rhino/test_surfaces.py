@@ -11,9 +11,12 @@ import rhino3dm
 from compas_cgc import CGCMesh
 from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_areas
+from compas_cgc.discrete.nurbs import NurbsPatch
 from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino import read_3dm
+from compas_cgc.io.rhino.nurbs import nurbs_surface
 from compas_cgc.meshing import boundary_loops
+from compas_cgc.meshing.polyline import nearest_on_polyline
 from compas_cgc.model.checks import check
 
 pytest.importorskip("compas_cgal")
@@ -252,3 +255,36 @@ def test_a_block_is_read_where_its_instances_put_it(tmp_path):
     model.Write(str(path), 7)
     V = read_3dm(path, edge_length=0.5).problem.vertices
     assert np.allclose(V.min(axis=0), [10, 20, 30]) and np.allclose(V.max(axis=0), [14, 24, 31])
+
+
+def test_a_surface_gets_edges_along_drawn_curved_creases(tmp_path):
+    path = tmp_path / "facade.3dm"
+    archive = rhino3dm.File3dm()
+    layers = {name: archive.Layers.AddLayer(name, (0, 0, 0, 255)) for name in ("CGC::Mesh", "CGC::Creases")}
+    archive.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
+    control = np.array([[[x, y, 0.4 * y * y / 9 - 0.3 * (x - 6) ** 2 / 36, 1.0] for y in (0.0, 3.0, 6.0)] for x in (0.0, 4.0, 8.0, 12.0)])
+    knots = (np.array([0, 0, 0, 0, 1, 1, 1, 1.0]), np.array([0, 0, 0, 1, 1, 1.0]))
+    surface = NurbsPatch(control, knots, (3, 2))
+    drawn = []
+    for start, bend in ((0.33, 0.07), (0.66, -0.06)):
+        v = np.linspace(0.0, 1.0, 60)
+        points = np.array([surface.at(np.array([start + bend * np.sin(np.pi * t)]), np.array([t]))[0, 0] for t in v])
+        drawn.append(points)
+    for name, geometry in [
+        ("CGC::Mesh", nurbs_surface(surface)),
+        *(("CGC::Creases", rhino3dm.PolylineCurve(rhino3dm.Point3dList([rhino3dm.Point3d(*p) for p in own.tolist()]))) for own in drawn),
+    ]:
+        attributes = rhino3dm.ObjectAttributes()
+        attributes.LayerIndex = layers[name]
+        archive.Objects.Add(geometry, attributes)
+    assert archive.Write(str(path), 7)
+    found = read_3dm(path, edge_length=0.4)
+    problem = found.problem
+    paths = problem.crease_paths()
+    assert len(paths) == 2 and problem.regions().max() == 2 and not any("nearest path" in note for note in found.notes)
+    for line in (problem.vertices[own] for own in paths):
+        gaps = [nearest_on_polyline(line, own)[0] for own in drawn]
+        assert min(gap.max() for gap in gaps) < 1e-3
+        middles = 0.5 * (line[1:] + line[:-1])
+        assert min(nearest_on_polyline(middles, own)[0].max() for own in drawn) < 5e-3
+    assert smallest_angles(problem.vertices, problem.faces).min() > 25.0

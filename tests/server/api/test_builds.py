@@ -30,6 +30,8 @@ from ...support.server_process import KEY
 from ...support.shapes import grid
 
 HEADS = {
+    "step": b"ISO-10303-21",
+    "ifc": b"ISO-10303-21",
     **{"list.csv": b"sheet,piece", "plan.dxf": b"  0\nSECTION", "plan.svg": b"<svg ", "zip": b"PK"},
     "3dm": b"3D Geometry File Format ",
     "dxf": b"  0\nSECTION",
