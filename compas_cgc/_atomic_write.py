@@ -23,7 +23,7 @@ from typing import Union
 
 from .errors import FileError
 
-__all__ = ["PartlyPublished", "published_together", "recover", "replacing", "write_text"]
+__all__ = ["PartlyPublished", "published_together", "recover", "replacing", "unwritable", "write_text"]
 
 # The umask can only be read by setting it, which is not safe when threads write files.
 _UMASK = os.umask(0)
@@ -46,7 +46,11 @@ class _Outputs:
 
     def publish(self) -> None:
         """Rename all files to their targets; a journal lets the next command finish after a kill."""
-        journal = self._journal() if len(self.files) > 1 else None
+        try:
+            journal = self._journal() if len(self.files) > 1 else None
+        except OSError as error:
+            self.discard()
+            raise OSError(error.errno, error.strerror, str(self.files[0][1])) from error
         failures = []
         for place, (temporary, target) in enumerate(self.files):
             try:
@@ -57,14 +61,14 @@ class _Outputs:
                     if journal is not None:
                         journal.unlink()
                     raise
-                failures.append(f"{target} cannot be written ({error.strerror or error})")
+                failures.append(unwritable(target, error))
         for folder in {target.parent for _, target in self.files}:
             _sync_folder(folder)
         if journal is not None:
             journal.unlink()
         self.discard()
         if failures:
-            raise PartlyPublished("; ".join(failures) + "; close these files in other programs, or choose other names or another folder")
+            raise PartlyPublished("; ".join(failures))
 
     def discard(self) -> None:
         """Remove the remaining temporary files."""
@@ -76,12 +80,16 @@ class _Outputs:
         """Write the list of files atomically beside the first target."""
         folder = self.files[0][1].parent
         handle, name = tempfile.mkstemp(prefix=f".cgc-{_HOST}-{os.getpid()}-", suffix=".journal-new", dir=folder)
-        with open(handle, "w", encoding="utf-8") as file:
-            json.dump([[str(temporary), str(target)] for temporary, target in self.files], file)
-            file.flush()
-            os.fsync(file.fileno())
         journal = Path(name).with_suffix(".journal")
-        os.replace(name, journal)
+        try:
+            with open(handle, "w", encoding="utf-8") as file:
+                json.dump([[str(temporary), str(target)] for temporary, target in self.files], file)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(name, journal)
+        except OSError:
+            os.unlink(name)
+            raise
         _sync_folder(folder)
         return journal
 
@@ -119,8 +127,7 @@ def published_together() -> Iterator[None]:
         try:
             outputs.publish()
         except OSError as error:
-            reason = error.strerror or error
-            raise FileError(f"{error.filename2 or error.filename} cannot be written ({reason}); choose another name or folder") from None
+            raise FileError(unwritable(error.filename2 or error.filename, error)) from None
 
 
 @contextmanager
@@ -156,6 +163,13 @@ def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
     if together is None:
         with _signals_held():
             outputs.publish()
+
+
+def unwritable(path: Union[str, os.PathLike], error: OSError) -> str:
+    """Return a sentence on a file that cannot be written, with the remedy."""
+    full = error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", None))
+    mend = "free space on the disk, or choose another folder" if full else "close it in other programs, or choose another name or folder"
+    return f"{path} cannot be written ({error.strerror or error}); {mend}"
 
 
 def write_text(path: Union[str, os.PathLike], text: str) -> None:

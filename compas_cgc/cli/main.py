@@ -8,7 +8,9 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Iterator
 from collections.abc import Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Optional
@@ -96,7 +98,7 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         parser.of(words[0]).refuse_unknown(unknown)
     _end_cleanly_on_signals()
     try:
-        with compiling(quiet=getattr(arguments, "quiet", False)):
+        with compiling(quiet=getattr(arguments, "quiet", False)), _signals_in_kernels():
             return arguments.run(arguments)
     except KeyboardInterrupt:
         print("compas-cgc: interrupted", file=sys.stderr)
@@ -108,6 +110,17 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     except (ValueError, OSError) as error:
         print(f"compas-cgc: {error}", file=sys.stderr)
         return REFUSED
+
+
+@contextmanager
+def _signals_in_kernels() -> Iterator[None]:
+    """Pass on the exception of a signal that arrived during a call of a compiled function, which Python wraps in a SystemError."""
+    try:
+        yield
+    except SystemError as error:
+        if isinstance(error.__cause__, (KeyboardInterrupt, SystemExit)):
+            raise error.__cause__ from None
+        raise
 
 
 def _end_cleanly_on_signals() -> None:

@@ -151,13 +151,14 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         # The surface comes first: if it cannot be written, no other output is.
         with published_together():
-            code, lines = _write_surface(arguments, result, analysis, parts)
+            code, lines, surface = _write_surface(arguments, result, analysis, parts)
             if draw is not None and result.status not in FAILED:
                 with parts.part("drawing the picture"), _kept_going(failures):
                     lines.append(f"wrote {draw(result)}")
             if arguments.report:
                 with _kept_going(failures):
-                    _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
+                    more = {} if change is None else {"sensitivity": change.to_dict()}
+                    _write_report(arguments, result, analysis, {"surface": surface and surface.name, **more})
     except PartlyPublished as error:
         failures.append(error)
     except FileError as error:
@@ -246,8 +247,13 @@ def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: 
         temporary.write_bytes((json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode("utf-8"))
 
 
-def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, parts: Parts) -> tuple[int, list[str]]:
-    """Write the surface; return the exit code and what to print when it is in its place. An unfinished surface gets a name of its own."""
+def _write_surface(
+    arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, parts: Parts
+) -> tuple[int, list[str], Optional[Path]]:
+    """Write the surface; return the exit code, what to print when it is in its place, and the file, None without a surface.
+
+    An unfinished surface gets a name of its own.
+    """
     from ..io import write
 
     output = Path(arguments.output)
@@ -259,16 +265,16 @@ def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis:
                 print(f"compas-cgc: {error}", file=sys.stderr)
                 mesh = output.with_suffix(MESH_SUFFIX)
                 write(mesh, result)
-                return INCOMPLETE, [f"wrote the mesh to {mesh} instead of {output}"]
+                return INCOMPLETE, [f"wrote the mesh to {mesh} instead of {output}"], mesh
         if not analysis.verdict.fair:
             print(f"compas-cgc: K meets its target, but the surface is {analysis.verdict}", file=sys.stderr)
-        return (DONE if analysis.verdict.fair else ROUGH), [*notes, f"wrote {output}"]
+        return (DONE if analysis.verdict.fair else ROUGH), [*notes, f"wrote {output}"], output
     print(f"compas-cgc: {result.message}", file=sys.stderr)
-    if result.status in UNFINISHED:
-        unfinished = _unfinished(output)
+    unfinished = _unfinished(output) if result.status in UNFINISHED else None
+    if unfinished is not None:
         write(unfinished, result, source=arguments.input, analysis=analysis)
         print(f"compas-cgc: wrote the unfinished surface to {unfinished}; {output} is unchanged", file=sys.stderr)
-    return (INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED), []
+    return (INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED), [], unfinished
 
 
 def _unfinished(output: Path) -> Path:

@@ -10,6 +10,7 @@ from typing import Union
 
 from .._atomic_write import recover
 from .._atomic_write import replacing
+from .._atomic_write import unwritable
 from .._samples import no_file
 from ..errors import FileError
 
@@ -51,8 +52,7 @@ def written(path: Union[str, os.PathLike]) -> Iterator[Path]:
         with replacing(path) as temporary:
             yield temporary
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise FileError(f"{path} cannot be written ({reason}); close it in other programs, or choose another name or folder") from None
+        raise FileError(unwritable(path, error)) from None
 
 
 def suffix_among(path: Union[str, os.PathLike], suffixes: tuple[str, ...], what: str) -> str:

@@ -165,7 +165,8 @@ def test_a_pipe_gets_no_progress_and_a_terminal_does():
 def test_a_solve_that_does_not_converge_keeps_the_old_file(dome, tmp_path, capsys):
     out = tmp_path / "roof.json"
     out.write_text("precious")
-    assert call("solve", dome, "-o", out, "--target", "0.01", "--method", "flow", "--steps", "5") == 1
+    assert call("solve", dome, "-o", out, "--target", "0.01", "--method", "flow", "--steps", "5", "--report", tmp_path / "r.json") == 1
+    assert json.loads((tmp_path / "r.json").read_text())["surface"] == "roof.unfinished.json"
     said = capsys.readouterr()
     assert "not converged in 5 steps" in said.err and "roof.unfinished.json" in said.err
     assert out.read_text() == "precious"

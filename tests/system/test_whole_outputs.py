@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib.util
 import json
 import os
@@ -22,6 +23,7 @@ from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
 from compas_cgc.cli.exits import DONE
 from compas_cgc.cli.exits import INCOMPLETE
+from compas_cgc.cli.exits import INTERRUPTED
 from compas_cgc.cli.exits import REFUSED
 from compas_cgc.errors import FileError
 
@@ -129,6 +131,26 @@ def test_the_first_file_decides_and_a_later_one_is_named(tmp_path, monkeypatch):
     assert [(tmp_path / name).read_text() for name in NAMES] == ["new", "old", "new"] and left(tmp_path) == []
 
 
+@pytest.mark.parametrize("failing", ["fsync", "replace"])
+def test_a_full_disk_at_the_journal_leaves_the_old_files_and_names_the_first(tmp_path, monkeypatch, failing):
+    real, calls = getattr(os, failing), []
+
+    def full(*args):
+        calls.append(args)
+        # The fourth file that is flushed is the journal, and it is the first that is renamed.
+        if len(calls) == (4 if failing == "fsync" else 1):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return real(*args)
+
+    old_files(tmp_path)
+    monkeypatch.setattr(_atomic_write.os, failing, full)
+    with pytest.raises(FileError, match="surface.obj cannot be written .No space left on device.; free space on the disk"):
+        with published_together():
+            for name in NAMES:
+                write_text(tmp_path / name, "new")
+    assert states(tmp_path) == {"old"} and left(tmp_path) == []
+
+
 def test_links_are_followed_and_devices_are_written_to(tmp_path):
     (tmp_path / "real.txt").write_text("old")
     (tmp_path / "link.txt").symlink_to(tmp_path / "real.txt")
@@ -189,6 +211,19 @@ def test_a_signal_leaves_no_temporary_file(tmp_path):
     process.terminate()
     assert process.wait(30) == 143 and left(tmp_path) == []
     process.stdout.close()
+
+
+@pytest.mark.parametrize("cause", [SystemExit(143), KeyboardInterrupt()])
+def test_a_signal_in_a_compiled_function_ends_the_command_like_any_other(plan, monkeypatch, cause):
+    def check(arguments):
+        raise SystemError("returned a result with an exception set") from cause
+
+    monkeypatch.setattr("compas_cgc.cli.check.run", check)
+    try:
+        code = main(["check", str(plan)])
+    except SystemExit as error:
+        code = error.code
+    assert code in (143, INTERRUPTED)
 
 
 @pytest.mark.parametrize("content", [b"", b"\0" * 40, b"\x80\x05K\x01."])
