@@ -10,47 +10,70 @@ import urllib.error
 import urllib.request
 from urllib.parse import urlsplit
 
-import rhino3dm
+from . import rhino_classes
+from .rhino_classes import Component
+from .rhino_classes import Document
 
-from compas_cgc.grasshopper.build.archive import Chunk
-from compas_cgc.grasshopper.build.archive import read_archive
-from compas_cgc.grasshopper.build.guids import COMPONENT_TYPES
-from compas_cgc.grasshopper.build.guids import HINTS
-from compas_cgc.grasshopper.build.guids import PARAMETER_TYPES
+PATIENCE = 100.0  # for a canvas that comes to rest, which takes as long as something is compiled [s]
 
-from . import gh_stand_ins
-from .gh_stand_ins import Component
-from .gh_stand_ins import Document
-from .server_process import PATIENCE
-
-KINDS = {guid: name for name, guid in COMPONENT_TYPES.items()}
-TYPES = {guid: name for name, guid in PARAMETER_TYPES.items()}
-CASTS = {HINTS["int"].guid: int, HINTS["float"].guid: float, HINTS["str"].guid: str, HINTS["bool"].guid: bool}
+# As McNeel's files have them.
+KINDS = {
+    "719467e6-7cf5-4848-99b0-c5dd57e5442c": "script",
+    "c69bb52c-88ba-4640-b69f-188d111029e8": "hops",
+    "57da07bd-ecab-415d-9d86-af36d7073abc": "slider",
+    "59e0b89a-e487-49f8-bab8-b5bab16be14c": "panel",
+    "2e78987b-9dfb-42a2-8b76-3923ac8bd91a": "toggle",
+    "a8b97322-2d53-47cd-905e-b932c3ccd74e": "button",
+    "00027467-0d24-4fa7-b178-8dc0ac5f42ec": "list",
+    "7f5c6c55-f846-4a08-9c9a-cfdc285cc6fe": "scribble",
+    "c552a431-af5b-46a9-a8a4-0fcbc27ef596": "group",
+}
+TYPES = {
+    "3e8ca6be-fda8-4aaf-b5c0-3c54c8bb7312": "Number",
+    "2e3ab970-8545-46bb-836c-1c11e5610bce": "Integer",
+    "cb95db89-6165-43b6-9c41-5702bc5bf137": "Boolean",
+    "3ede854e-c753-40eb-84cb-b48008f14fd4": "Text",
+    "1e936df3-0eea-4246-8549-514cb8862b7a": "Mesh",
+    "d5967b9f-e8ee-436b-a8ad-29fdcecf32d5": "Curve",
+    "fbac3e32-f100-4292-8692-77240a42fd1a": "Point",
+}
+CASTS = {
+    "48d01794-d3d8-4aef-990e-127168822244": int,
+    "9d51e32e-c038-4352-9554-f4137ca91b9a": float,
+    "3aceb454-6dbd-4c5b-9b6b-e71f8c1cdf88": str,
+    "d60527f5-b5af-4ef6-8970-5f96fe412559": bool,
+}
 
 
 class Placed:
     """A script component as the file holds it, with one run after another."""
 
-    def __init__(self, container: Chunk, document: Document):
+    def __init__(self, container, document):
         self.container = container
         self.component = Component(document)
         self.component.InstanceGuid = container.get("InstanceGuid")
         data = container.child("ParameterData")
         self.inputs, self.outputs = data.children("InputParam"), data.children("OutputParam")
-        space = {"ghenv": types.SimpleNamespace(Component=self.component)}
-        exec(base64.b64decode(container.child("Script").get("Text")).decode("utf-8"), space)
-        (self.script,) = [value for value in space.values() if isinstance(value, type) and value.__module__ == "builtins"]
+        self.script = None
+
+    def execute(self, code, space):
+        """Run the lines of the script, which define its class."""
+        exec(code, space)
 
     def run(self, values):
         """Return the values of the output parameters by their GUIDs."""
         self.component.balloons.clear()
+        if self.script is None:
+            space = {"ghenv": types.SimpleNamespace(Component=self.component)}
+            self.execute(base64.b64decode(self.container.child("Script").get("Text")).decode("utf-8"), space)
+            (self.script,) = [value for value in space.values() if isinstance(value, type) and value.__module__ == "builtins"]
         given = []
         for part in self.inputs:
             own = [value for i in range(part.get("SourceCount")) for value in values[part.get("Source", i)]]
-            cast = CASTS.get(part.get("TypeHintID"), lambda value: value)
+            cast = CASTS.get(str(part.get("TypeHintID")), lambda value: value)
             own = [cast(value) for value in own]
             if part.get("Access", default=0) == 2:
-                given.append(gh_stand_ins.DataTree({(0,): own} if own else {}))
+                given.append(rhino_classes.DataTree({(0,): own} if own else {}))
             elif part.get("Access", default=0) == 1:
                 given.append(own or None)
             else:
@@ -64,12 +87,12 @@ class Placed:
 class HopsComponent:
     """A Hops component as the file holds it; asks the server that is given, as Hops does."""
 
-    def __init__(self, container: Chunk, document: Document):
+    def __init__(self, container, document):
         self.container = container
         self.component = Component(document)
         data = container.child("ParameterData")
         self.inputs, self.outputs = data.children("InputParam"), data.children("OutputParam")
-        self.kinds = [TYPES[data.get("InputId", i)] for i in range(data.get("InputCount"))]
+        self.kinds = [TYPES[str(data.get("InputId", i))] for i in range(data.get("InputCount"))]
         self.server = None
 
     def run(self, values):
@@ -115,6 +138,8 @@ def encoded(kind, value):
     elif kind == "Point":
         value = json.dumps({"X": value.X, "Y": value.Y, "Z": value.Z})
     elif kind == "Curve":
+        import rhino3dm
+
         line = rhino3dm.Polyline([rhino3dm.Point3d(*point) for point in value.points])
         value = json.dumps(line.ToPolylineCurve().Encode())
     elif kind == "Number":
@@ -125,6 +150,8 @@ def encoded(kind, value):
 
 
 def rhino3dm_mesh(mesh):
+    import rhino3dm
+
     made = rhino3dm.Mesh()
     for point in mesh.Vertices:
         made.Vertices.AddPoint3d(*point)
@@ -138,9 +165,11 @@ def decoded(entry):
     kind, data = entry["type"], entry["data"]
     assert isinstance(data, str), "anything else makes the answer unreadable to Hops"
     if kind == "Rhino.Geometry.Mesh":
+        import rhino3dm
+
         mesh = rhino3dm.CommonObject.Decode(json.loads(data))
         points = [(p.X, p.Y, p.Z) for p in mesh.Vertices.ToPoint3dArray()]
-        return gh_stand_ins.rhino_mesh(points, [mesh.Faces[i] for i in range(len(mesh.Faces))])
+        return rhino_classes.rhino_mesh(points, [mesh.Faces[i] for i in range(len(mesh.Faces))])
     return {"System.Double": float, "System.Int32": int, "System.String": str}[kind](data)
 
 
@@ -148,19 +177,19 @@ def as_list(value):
     """Return what an output holds: anything that can be run through is taken apart."""
     if value is None:
         return []
-    if isinstance(value, gh_stand_ins.DataTree):
+    if isinstance(value, rhino_classes.DataTree):
         return value.AllData()
-    return list(value) if hasattr(value, "__iter__") and not isinstance(value, (str, gh_stand_ins.Point3d)) else [value]
+    return list(value) if hasattr(value, "__iter__") and not isinstance(value, (str, rhino_classes.Point3d)) else [value]
 
 
 class Canvas:
-    """A definition that is open."""
+    """A definition that is open, from the root of its archive."""
 
-    def __init__(self, path):
+    def __init__(self, root, script=Placed):
         self.document = Document()
-        objects = read_archive(path).child("Definition").child("DefinitionObjects").children("Object")
-        self.objects = [(KINDS.get(part.get("GUID"), "parameter"), part.child("Container")) for part in objects]
-        kinds = {"script": Placed, "hops": HopsComponent}
+        objects = root.child("Definition").child("DefinitionObjects").children("Object")
+        self.objects = [(KINDS.get(str(part.get("GUID")), "parameter"), part.child("Container")) for part in objects]
+        kinds = {"script": script, "hops": HopsComponent}
         self.scripts = {c.get("InstanceGuid"): kinds[kind](c, self.document) for kind, c in self.objects if kind in kinds}
         self.set = {}  # what the user set, by the nickname of the object
 

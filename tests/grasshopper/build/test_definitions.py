@@ -125,7 +125,7 @@ def test_the_picture_shows_every_object_and_wire(definition):
 def canvas(rhino, tmp_path):  # noqa: F811
     def open_definition(name):
         write_archive(tmp_path / f"{name}.gh", definition_archive(BY_NAME[name], BUNDLES))
-        return Canvas(tmp_path / f"{name}.gh")
+        return Canvas(read_archive(tmp_path / f"{name}.gh"))
 
     return open_definition
 
