@@ -45,7 +45,7 @@ examples:
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --radii 12 30 -25 inf
 """
 
-NAMED = ("grid", "levels", "faces")  # seams that need no curves
+NAMED = ("grid", "curvature", "geodesics", "levels", "faces")  # seams that need no curves
 
 # Lengths in metres of units of drawings, and of those that are written after a number.
 METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Feet": 0.3048, "Inches": 0.0254}
@@ -62,7 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seams",
         metavar="WHERE",
-        help="grid, levels (of K, for few regions), faces (of a quad mesh), a layer of DESIGN, or a .3dm with curves "
+        help="grid, curvature or geodesics (lines one panel apart), levels (of K, for few regions), faces (of a quad mesh), a layer of "
+        "DESIGN, or a .3dm with curves "
         "(default: the layer Seams, or grid)",
     )
     moulds = parser.add_mutually_exclusive_group()

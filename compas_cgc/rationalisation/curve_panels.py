@@ -13,6 +13,8 @@ from ..errors import MeshError
 from ..meshing import face_regions
 from ..meshing import path_edges
 from ..meshing.outline import mesh_from_outline
+from ..meshing.weld import clean_faces
+from ..meshing.weld import weld
 from .panelling import Panelling
 from .rims import mean_steps
 from .rims import within_rims
@@ -22,6 +24,7 @@ __all__ = ["Lengths", "curve_panels", "parameter_rim"]
 
 SAMPLES = 64  # divisions of the domain along which lengths are measured
 POINT = 1e-4  # of an edge, within which points are one
+JOINED = 1e-2  # of an edge, within which points on both sides of a closed surface are one
 
 
 class Lengths(NamedTuple):
@@ -84,14 +87,30 @@ def curve_panels(surface: SplineSurface, rims: Sequence[FloatArray], seams: Sequ
 
     order = sorted(range(len(rims)), key=lambda k: -abs(_area(plane.to_plane(rims[k]))))
     outline, *holes = (flat(rims[k]) for k in order)
-    made = mesh_from_outline(outline, holes, [flat(seam) for seam in seams], edge_length, POINT * edge_length)
+    lines = [flat(line) for seam in seams for line in _periods(surface, seam)]
+    made = mesh_from_outline(outline, holes, lines, edge_length, POINT * edge_length)
     uv = np.clip(plane.to_parameters(made.vertices[:, :2]), surface.domain[:, 0], surface.domain[:, 1])
-    panels = face_regions(made.faces, np.array(path_edges(made.creases), dtype=np.int64).reshape(-1, 2))
-    vertices = surface.at(uv)
-    rim = boundary_vertices(vertices, made.faces)
     if not len(made.faces):
         raise MeshError("the boundary curves of the design enclose no area; check the outline of the design")
-    return Panelling(vertices, made.faces, panels, uv, np.column_stack([rim, rim]))
+    joined = weld(surface.at(uv), made.faces, JOINED * edge_length if any(surface.closed) else 0.0)
+    clean = clean_faces(joined.faces)
+    first = np.full(len(joined.vertices), len(uv))
+    np.minimum.at(first, joined.index, np.arange(len(uv)))
+    creases = joined.index[np.array(path_edges(made.creases), dtype=np.int64).reshape(-1, 2)]
+    panels = face_regions(clean.faces, creases[creases[:, 0] != creases[:, 1]])
+    rim = boundary_vertices(joined.vertices, clean.faces)
+    on_side = (uv[first] == surface.domain[:, 0]) | (uv[first] == surface.domain[:, 1])
+    if not len(holes) and (on_side & rim[:, None] & ~on_side[:, ::-1])[:, list(surface.closed)].any():
+        raise MeshError("seams cross the line where the parameters of the design close at different places; use a grid of seams")
+    return Panelling(joined.vertices, clean.faces, panels, uv[first], np.column_stack([rim, rim]))
+
+
+def _periods(surface: SplineSurface, seam: FloatArray) -> list[FloatArray]:
+    """Return a seam (k, 2) and its copies one period away that reach into the domain, where parameters close."""
+    spans = np.ptp(surface.domain, axis=1)
+    shifts = [(-1.0, 0.0, 1.0) if closes else (0.0,) for closes in surface.closed]
+    copies = [seam + [i * spans[0], j * spans[1]] for i in shifts[0] for j in shifts[1]]
+    return [line for line in copies if ((line >= surface.domain[:, 0]) & (line <= surface.domain[:, 1])).all(axis=1).any()]
 
 
 def _extrapolated(x: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:

@@ -40,7 +40,8 @@ def level_seams(surface: SplineSurface, moulds: int, rims: Sequence[FloatArray] 
     size = float(np.hypot(*spans))
     uv = plane.to_parameters(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2))
     K = surface.gaussian(uv).reshape(GRID + 1, GRID + 1)
-    K = gaussian_filter(K, [SMOOTHING * size * GRID / span for span in spans], mode="nearest")
+    modes = ["wrap" if closes else "nearest" for closes in surface.closed]
+    K = gaussian_filter(K, [SMOOTHING * size * GRID / span for span in spans], mode=modes)
     values, _ = next(clusterings([K.ravel()], within_rims(uv, rims).astype(np.float64), moulds, False))
     values = np.sort(values)
     lines: list[FloatArray] = []

@@ -87,9 +87,9 @@ def rationalise(
     panel
         Width of the panels [L]. Default: a twelfth of the longer side.
     seams
-        ``"grid"`` along the parameters of a surface or the plan of a mesh; ``"levels"`` along level lines of K, for few regions;
-        ``"faces"`` between the faces of a quad mesh; or points (k, 3) along curves on the design. Default: those drawn in the file,
-        else the grid.
+        ``"grid"`` along the parameters of a surface or the plan of a mesh; ``"curvature"`` along lines of curvature, or
+        ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K, for few regions; ``"faces"`` between the faces of a
+        quad mesh; or points (k, 3) along curves on the design. Default: those drawn in the file, else the grid.
     within
         Largest distance from the design that is allowed [L].
     flat

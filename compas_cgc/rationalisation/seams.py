@@ -1,4 +1,4 @@
-"""Seams on a design: a grid of its parameters, level lines of K, or curves that are drawn."""
+"""Seams on a design: a grid of its parameters, lines of curvature, geodesics, level lines of K, or curves that are drawn."""
 
 from __future__ import annotations
 
@@ -23,17 +23,20 @@ from .grid_panels import grid_panels
 from .level_seams import level_seams
 from .panelling import Panelling
 from .quad_panels import quad_panels
+from .streamlines import even_lines
 
 __all__ = ["PANELS", "SeamsInput", "panels_of"]
 
 EDGES, VERTICES = 4, 2500  # along the side of a panel at least by default, and of the whole mesh about
 PANELS = 12  # along the longer side by default
 LEVELS = 5  # values of K between which level lines run
+AWAY = 2.0  # edges, within which a curve lies on the design
 NEAR = 0.6  # of an edge, within which a seam that ends at the rim is led over it
 OFFSETS = (0.0, 0.25, -0.25, 0.4)  # of the width of a panel, by which a grid is shifted off a rim that its lines graze
 GRAZING = "grazes"
 
-NAMED = ("grid", "levels", "faces")
+LINES = ("curvature", "geodesics")
+NAMED = ("grid", "levels", "faces", *LINES)
 
 SeamsInput = Union[str, Sequence[Sequence[Sequence[float]]], None]
 
@@ -50,8 +53,9 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
     edges
         Edges along the side of a panel. Default: four, or more where panels are few.
     seams
-        ``"grid"`` along the parameters, which are the plan where a mesh has one; ``"levels"`` along level lines of K; ``"faces"``
-        between the faces of a quad mesh; or points (k, 3) along curves on the design. Default: those drawn, else the grid.
+        ``"grid"`` along the parameters, which are the plan where a mesh has one; ``"curvature"`` along lines of curvature, or
+        ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K; ``"faces"`` between the faces of a quad mesh; or
+        points (k, 3) along curves on the design. Default: those drawn, else the grid.
 
     Raises
     ------
@@ -65,12 +69,17 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
         return _faces(design, edges)
     drawn = design.seams if seams is None else () if isinstance(seams, str) else tuple(np.asarray(line, dtype=np.float64) for line in seams)
     surface, rims = design.surface, list(design.rims) or [parameter_rim(design.surface)]
-    if not len(drawn) and seams != "levels":
+    if not len(drawn) and seams not in ("levels", *LINES):
         return _grid(design, width, edges)
     plane = Lengths.of(surface, rims)
     area = float(np.prod([own[-1] for own in plane.lengths]))
     edge = width / edges if edges is not None and panel is not None else float(np.sqrt(area / VERTICES))
-    if seams == "levels":
+    if seams in LINES:
+        if any(surface.closed):
+            raise MeshError(f"seams along {seams} need a design that does not close; use a grid, levels, or curves that are drawn")
+        lines = even_lines(surface, str(seams), width, design.rims)
+        edge = min(edge, width / (EDGES if edges is None else edges))
+    elif seams == "levels":
         lines = level_seams(surface, LEVELS, design.rims)
     else:
         lines = [_on_surface(design, plane, line, edge) for line in drawn]
@@ -128,10 +137,13 @@ def _on_surface(design: Design, plane: Lengths, line: FloatArray, edge: float) -
     uv = np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, 2)
     start = uv[cKDTree(design.surface.at(uv)).query(fine)[1]]
     found = design.surface.foot(fine, start)
-    away = float(np.linalg.norm(design.surface.at(found) - fine, axis=1).max())
-    if away > 2.0 * edge:
-        raise MeshError(f"a seam is up to {away:.3g} away from the design; draw it on the surface, or project it there")
-    return found
+    away = np.linalg.norm(design.surface.at(found) - fine, axis=1)
+    # A curve that is drawn beyond the rim counts up to it.
+    on = np.flatnonzero(away <= AWAY * edge)
+    within = slice(on[0], on[-1] + 1) if len(on) else slice(None)
+    if away[within].max() > AWAY * edge:
+        raise MeshError(f"a seam is up to {away[within].max():.3g} away from the design; draw it on the surface, or project it there")
+    return found[within]
 
 
 def _over_rim(plane: Lengths, rims: Sequence[FloatArray], line: FloatArray, edge: float) -> FloatArray:

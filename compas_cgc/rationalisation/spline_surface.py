@@ -98,6 +98,22 @@ class SplineSurface:
         e, f, g = ((second * normal).sum(axis=1) for second in (uu, w, vv))
         return (e * g - f * f) / square**2
 
+    def principal(self, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the principal curvatures (k, 2), the larger first [1/L], and its angle from the first tangent (k,) [rad]."""
+        _, u, v, uu, w, vv = self._quotients(uv, [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)])
+        normal = np.cross(u, v)
+        normal = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        x = u / np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
+        y = np.cross(normal, x)
+        # The second fundamental form in the orthonormal frame (x, y).
+        a, b, d = (u * x).sum(axis=1), (v * x).sum(axis=1), (v * y).sum(axis=1)
+        a, d = np.where(a > 0.0, a, 1.0), np.where(d != 0.0, d, 1.0)
+        e, f, g = ((second * normal).sum(axis=1) for second in (uu, w, vv))
+        p, q = e / a**2, (f - e * b / a) / (a * d)
+        r = (g - 2.0 * f * b / a + e * b * b / a**2) / d**2
+        mean, half = 0.5 * (p + r), np.hypot(0.5 * (p - r), q)
+        return np.column_stack([mean + half, mean - half]), 0.5 * np.arctan2(2.0 * q, p - r)
+
     def foot(self, points: FloatArray, start: FloatArray, held: Optional[Mask] = None) -> FloatArray:
         """Return the parameters (k, 2) of the closest points of the surface, by Gauss-Newton from parameters nearby.
 

@@ -58,6 +58,8 @@ def unwrapped(vertices: FloatArray, faces: IntArray) -> Unwrapped:
     if connected_components(_graph(edges, len(vertices)))[0] > 1 + len(vertices) - n:
         raise MeshError("the design has several parts that are not joined; join them, or rationalise one part at a time")
     handles = (2 - len(loops) - (n - len(edges) + len(faces))) / 2
+    if handles < 0:
+        raise MeshError("faces of the design meet at single vertices, or three at an edge; repair the mesh, or rationalise its parts")
     if handles == 0 and len(loops) == 0:
         return _sphere(vertices, faces)
     if handles == 0 and _is_tube(vertices, loops):

@@ -20,7 +20,7 @@ from ...model.problem import CGCProblem
 
 __all__ = ["SEARCHES", "Found", "Search"]
 
-SEAMS = ("grid", "levels")
+SEAMS = ("grid", "curvature", "geodesics", "levels")
 SUPPORTS = ("corners", "boundary", "none")
 _LENGTH = {"type": "number", "exclusiveMinimum": 0, "maximum": values.LARGEST}
 
