@@ -143,12 +143,35 @@ class List:
         return cls
 
 
+class ValueTable:
+    """Texts that are saved with a definition."""
+
+    def __init__(self):
+        self.texts = {}
+
+    def SetValue(self, key, text):
+        assert type(key) is str and type(text) is str
+        self.texts[key] = text
+
+    def GetValue(self, key, default):
+        return self.texts.get(key, default)
+
+    def DeleteValue(self, key):
+        self.texts.pop(key, None)
+
+
 class Document:
     """A canvas that runs what is scheduled when it is told to."""
 
     def __init__(self):
         self.scheduled = []
         self.objects = []
+        self.components = []
+        self.ValueTable = ValueTable()
+
+    def FindObject(self, id, top_level_only):
+        assert top_level_only is True
+        return next((one for one in self.components if one.InstanceGuid == id and one.document is self), None)
 
     def AddObject(self, made, update):
         assert update is False and made.Attributes is not None
@@ -377,6 +400,7 @@ class Component:
         self.InstanceGuid = uuid.uuid4()
         self.Message = ""
         self.document = document
+        document.components.append(self)
         self.balloons = []
         self.expired = True
         self.RunCount = 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 from typing import NamedTuple
@@ -15,6 +16,7 @@ from ...errors import ProblemError
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...model.constraint_data import as_goals
 from ...model.constraints import Constraint
+from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ...model.result import FAILED
 from ...scene.figures import FIGURES
@@ -36,6 +38,8 @@ from ..runtime.remote_solve import remote_solve
 from ..runtime.runner import Finished
 from ..runtime.runner import Last
 from ..runtime.runner import Runner
+from ..runtime.saved import problem_from_text
+from ..runtime.saved import problem_to_text
 from ..runtime.widgets import offer_values
 from ..runtime.wire_mesh import WireMesh
 
@@ -55,7 +59,39 @@ class SolveOutputs(NamedTuple):
     legend: Optional[list[str]] = None
 
 
-_RUNNER = Runner(SolveOutputs(), "solving")
+class _Found(NamedTuple):
+    """What a solve has found."""
+
+    problem: CGCProblem
+    status: str
+    report: str
+    message: str  # text below the component
+    balloons: tuple[tuple[str, str], ...]
+    result: Optional[SolveResult] = None  # None for what comes from the file of the definition
+
+    def to_text(self) -> str:
+        """Return the text for the file of the definition."""
+        return json.dumps({**self._asdict(), "problem": problem_to_text(self.problem), "result": None})
+
+    @classmethod
+    def from_text(cls, text: str) -> _Found:
+        """Return what is in the file of the definition."""
+        data = json.loads(text)
+        balloons = tuple((level, sentence) for level, sentence in data["balloons"])
+        return cls(**{**data, "problem": problem_from_text(data["problem"]), "balloons": balloons})
+
+    def plain(self) -> SolveOutputs:
+        """Return the outputs without colours."""
+        mesh = mesh_from_arrays(self.problem.vertices, self.problem.faces)
+        return SolveOutputs(mesh, WireMesh(self.problem), self.status, 1.0, self.report or None, self.result)
+
+
+def _restored(text: str) -> Finished:
+    found = _Found.from_text(text)
+    return Finished(found.plain(), found.message, found.balloons, found)
+
+
+_RUNNER = Runner(SolveOutputs(), "solving", _restored)
 
 
 @reports_errors(SolveOutputs)
@@ -124,25 +160,25 @@ def _solved(
 ) -> Finished:
     """Solve and measure; the surface is shown before it is measured."""
     if last.current:
-        result = last.value
+        found = last.value
     else:
         faces = mesh.to_problem().without_dummies().faces
 
         def show(vertices: FloatArray) -> dict[str, Any]:
             return {"mesh": mesh_from_arrays(vertices, faces)}
 
-        run = remote_solve(mesh, settings, goals, server) if server else local_solve(mesh, settings, goals, last.value, show)
+        drawn = None if last.value is None else last.value.problem
+        run = remote_solve(mesh, settings, goals, server) if server else local_solve(mesh, settings, goals, drawn, show)
         result = run(report)
-    problem = result.problem
-    out = SolveOutputs(None, WireMesh(problem), result.status, 1.0, None, result)
-    plain = {**out._asdict(), "mesh": mesh_from_arrays(problem.vertices, problem.faces)} if not last.current else {}
-    report(Progress(part=1.0, task="measuring", preview=(lambda: plain) if plain else None))
-    figures = str(analyse(result, mesh)).split("\n", 1)[1]
-    text = f"{result.summary}\n{result.ending}\n{figures}"
-    found = figure_colours(measure(problem).figures, figure)
-    surface = mesh_from_arrays(problem.vertices, problem.faces, found.vertices)
-    out = out._replace(mesh=surface, report=text, colours=found.colours, legend=found.legend)
-    return Finished(out, *_verdict(result), value=result)
+        found = _Found(result.problem, result.status, "", *_verdict(result), result)
+        plain = found.plain()._asdict()
+        report(Progress(part=1.0, task="measuring", preview=lambda: plain))
+        figures = str(analyse(result, mesh)).split("\n", 1)[1]
+        found = found._replace(report=f"{result.summary}\n{result.ending}\n{figures}")
+    colours = figure_colours(measure(found.problem).figures, figure)
+    surface = mesh_from_arrays(found.problem.vertices, found.problem.faces, colours.vertices)
+    out = found.plain()._replace(mesh=surface, colours=colours.colours, legend=colours.legend)
+    return Finished(out, found.message, found.balloons, found, "" if last.current else found.to_text())
 
 
 def _verdict(result: SolveResult) -> tuple[str, tuple[tuple[str, str], ...]]:

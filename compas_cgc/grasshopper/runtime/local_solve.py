@@ -11,6 +11,7 @@ from ...datastructures import CGCMesh
 from ...datastructures import SolveResult
 from ...discrete.arrays import FloatArray
 from ...model.constraints import Constraint
+from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ...model.result import SolveState
 from ...solvers import Settings
@@ -29,7 +30,7 @@ def local_solve(
     mesh: PosesProblem,
     settings: Optional[Settings] = None,
     goals: Sequence[Constraint] = (),
-    last: Optional[SolveResult] = None,
+    last: Optional[CGCProblem] = None,
     show: Callable[[FloatArray], object] = lambda vertices: None,
 ) -> Callable[[Report], SolveResult]:
     """Return a function that solves in this process, for a background task.
@@ -43,7 +44,7 @@ def local_solve(
     goals
         Constraints in addition to those of the mesh.
     last
-        Result for other targets. Some steps from its surface are displayed first; the result does not depend on it.
+        Problem of a result for other targets. Some steps from its surface are displayed first; the result does not depend on it.
     show
         Returns intermediate outputs for the vertices (n, 3) [L] of an intermediate surface without dummies.
     """
@@ -56,7 +57,7 @@ def local_solve(
             return report(meter.at(state.step, state.max_error)._replace(preview=lambda: show(state.vertices)))
 
         if last is not None:
-            steps_towards(problem.with_goals(goals), last.problem, FIRST_STEPS, callback)
+            steps_towards(problem.with_goals(goals), last, FIRST_STEPS, callback)
         method = "auto" if settings is None else method_of(settings)
         result = solve(problem, method=method, settings=settings, goals=goals, callback=callback)
         return replace(result, drawn=mesh) if isinstance(mesh, CGCMesh) else result

@@ -9,7 +9,7 @@ from typing import Generic
 from typing import Optional
 from typing import TypeVar
 
-__all__ = ["Memories"]
+__all__ = ["Memories", "run_of"]
 
 Memory = TypeVar("Memory")
 
@@ -57,7 +57,7 @@ class Memories(Generic[Memory]):
             self._drop(entry)
         watch = _when_closed(component, lambda: self.drop_all(component))
         solution = next((own.number for own in self._solutions if own.component == component), 0)
-        self._entries.append(_Entry(component, _run_of(component), memory, watch, solution))
+        self._entries.append(_Entry(component, run_of(component), memory, watch, solution))
         return memory
 
     def visit(self, component: Any) -> None:
@@ -66,7 +66,7 @@ class Memories(Generic[Memory]):
         if solutions is None:
             self._solutions = [own for own in self._solutions if own.component.OnPingDocument() is not None]
             self._solutions.append(solutions := _Solutions(component))
-        run = _run_of(component)
+        run = run_of(component)
         solutions.number += run <= solutions.run
         solutions.run = run
         entry = self._entry(component)
@@ -98,7 +98,7 @@ class Memories(Generic[Memory]):
             self._drop(entry)
 
     def _entry(self, component: Any) -> Optional[_Entry[Memory]]:
-        run = _run_of(component)
+        run = run_of(component)
         # Rhino creates a new wrapper of an object on every access; wrappers are equal but not identical.
         return next((entry for entry in self._entries if entry.run == run and entry.component == component), None)
 
@@ -112,7 +112,8 @@ class Memories(Generic[Memory]):
         self._forget(entry.memory)
 
 
-def _run_of(component: Any) -> int:
+def run_of(component: Any) -> int:
+    """Return the number of a run within its solution, from 1."""
     return int(getattr(component, "RunCount", 1))
 
 

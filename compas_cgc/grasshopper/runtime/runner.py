@@ -27,6 +27,10 @@ from .memories import Memories
 from .presence import is_present
 from .progress import Progress
 from .progress import Report
+from .saved import Saved
+from .saved import delete
+from .saved import load
+from .saved import save
 
 __all__ = ["Finished", "Last", "Runner", "Shown"]
 
@@ -45,6 +49,7 @@ class Finished(NamedTuple):
     message: str = ""  # text below the component
     balloons: tuple[tuple[str, str], ...] = ()  # level and text
     value: Any = None  # kept for the next computation
+    saved: str = ""  # kept in the file of the definition, if any
 
 
 class Last(NamedTuple):
@@ -79,6 +84,7 @@ class _Run:
     answer: Optional[Finished] = None
     error: Optional[Exception] = None
     last: Any = None
+    written: Optional[Finished] = None  # what is in the file
 
     def take(self, inputs: tuple) -> None:
         """Store the inputs. On most runs the objects are identical, and need no new fingerprint."""
@@ -87,9 +93,17 @@ class _Run:
         self.parts = tuple(part if part and one is other else fingerprint(one) for one, (other, part) in zip(inputs, known))
         self.inputs = inputs
 
+    def restore(self, answer: Finished, saved: Saved) -> None:
+        """Continue with what the file of the definition contains; it is drawn anew where the inputs are the same."""
+        self.answer = self.written = answer
+        self.shown, self.last = answer.outputs, answer.value
+        if saved.is_for(self.parts):
+            self.answered = self.parts, None
+
     def start(self, work: Work, display: tuple, doing: str, wanted: Callable[[], bool]) -> None:
         """Start a computation; one of other inputs is cancelled once it has shown an intermediate result."""
-        before, last = self.task, Last(self.last, bool(self.answered) and self.answered[0] == self.parts and self.error is None)
+        same = bool(self.answered) and self.answered[0] == self.parts
+        before, last = self.task, Last(self.last, same and self.error is None)
         if before is not None:
             before.cancel(replaced=True)
         self.computed = self.parts, display
@@ -130,11 +144,14 @@ class Runner(Generic[Outputs]):
         Outputs until the first ones are computed, and after errors.
     doing
         Text below the component during computations without steps.
+    restore
+        Returns the outputs and the value of a text that :attr:`Finished.saved` has put into the file of the definition.
     """
 
-    def __init__(self, empty: Outputs, doing: str):
+    def __init__(self, empty: Outputs, doing: str, restore: Optional[Callable[[str], Finished]] = None):
         self._empty = empty
         self._doing = doing
+        self._restore = restore
         self._runs: Memories[_Run] = Memories(_Run.cancel)
         self._polls: list[list[Any]] = []  # components that are polled, and the time of the latest poll [s]
 
@@ -166,7 +183,13 @@ class Runner(Generic[Outputs]):
             The error of the computation.
         """
         self._runs.visit(component)
-        own = self._runs.of(component) or self._runs.keep(component, _Run(self._empty, self._empty))
+        own = self._runs.of(component)
+        if own is None:
+            own = self._runs.keep(component, _Run(self._empty, self._empty))
+            own.take(inputs)
+            saved = None if self._restore is None else load(component)
+            if self._restore is not None and saved is not None:
+                own.restore(self._restore(saved.text), saved)
         own.take(inputs)
         own.collect()
         key = own.parts, display
@@ -181,6 +204,9 @@ class Runner(Generic[Outputs]):
         elif own.task is not None and brief:
             own.task.wait(BRIEF)
         own.collect()
+        if own.answer is not None and own.answer.saved and own.answer is not own.written:
+            own.written = own.answer
+            save(component, own.answered[0], own.answer.saved)
         if own.task is not None or self._runs.has_unvisited(component):
             self._poll(component)
         if own.task is not None:
@@ -209,8 +235,10 @@ class Runner(Generic[Outputs]):
         return own.shown
 
     def reset(self, component: Any) -> None:
-        """Cancel the computation of a run, and delete its outputs."""
+        """Cancel the computation of a run, and delete its outputs, also from the file of the definition."""
         self._runs.drop(component)
+        if self._restore is not None:
+            delete(component)
 
     def tasks(self, component: Any) -> list[BackgroundTask]:
         """Return the running tasks of a component."""

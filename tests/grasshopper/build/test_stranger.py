@@ -28,12 +28,14 @@ pytestmark = [pytest.mark.nightly, pytest.mark.timeout(1500)]
 @pytest.fixture(scope="module")
 def python(tmp_path_factory):
     """A Python 3.9 without packages but pip, as Rhino 8 ships it."""
-    found = subprocess.run([ROOT / ".ci" / "find-python", "3.9"], capture_output=True, text=True)
+    windows = os.name == "nt"
+    command = ["py", "-3.9", "-c", "import sys; print(sys.executable)"] if windows else [ROOT / ".ci" / "find-python", "3.9"]
+    found = subprocess.run(command, capture_output=True, text=True)
     if found.returncode:
         pytest.skip("Python 3.9 is not installed")
     folder = tmp_path_factory.mktemp("rhinocode") / "py39-rh8"
     subprocess.run([found.stdout.strip(), "-m", "venv", folder], check=True)
-    return folder / "bin" / "python"
+    return folder / "Scripts" / "python.exe" if windows else folder / "bin" / "python"
 
 
 @pytest.fixture(scope="module")
