@@ -6,6 +6,7 @@ lost, balloons and schedules with the wrong arguments.
 
 from __future__ import annotations
 
+import decimal
 import json
 import types
 import uuid
@@ -260,6 +261,20 @@ class ValueList:
         self.Attributes = Attributes()
 
 
+class NumberSlider:
+    Attributes = None
+
+    def __init__(self):
+        self.Slider = types.SimpleNamespace(DecimalPlaces=3, Minimum=decimal.Decimal(0), Maximum=decimal.Decimal(1), Value=None)
+
+    def SetSliderValue(self, value):
+        assert isinstance(value, decimal.Decimal) and self.Slider.Minimum <= value <= self.Slider.Maximum
+        self.Slider.Value = round(value, self.Slider.DecimalPlaces)
+
+    def CreateAttributes(self):
+        self.Attributes = Attributes()
+
+
 class Parameter:
     """An input of a component."""
 
@@ -438,7 +453,7 @@ def modules():
     )
     levels = types.SimpleNamespace(Remark="Remark", Warning="Warning", Error="Error")
     document = types.SimpleNamespace(GH_ScheduleDelegate=ScheduleDelegate)
-    special = module("Grasshopper.Kernel.Special", GH_ValueList=ValueList, GH_ValueListItem=ValueListItem)
+    special = module("Grasshopper.Kernel.Special", GH_ValueList=ValueList, GH_ValueListItem=ValueListItem, GH_NumberSlider=NumberSlider)
     data = module("Grasshopper.Kernel.Data", GH_Path=Path)
     kernel = module("Grasshopper.Kernel", GH_ScriptInstance=object, GH_RuntimeMessageLevel=levels, GH_Document=document, Special=special)
     generic = module("System.Collections.Generic", List=List)
@@ -446,6 +461,7 @@ def modules():
     drawing = module("System.Drawing", Color=Colour, PointF=PointF)
     objects = module("Rhino.DocObjects", Layer=Layer, ObjectAttributes=ObjectAttributes)
     files = module("Rhino.FileIO", SerializationOptions=SerializationOptions)
+    values = {"Object": object, "Guid": uuid.UUID, "Exception": Exception, "Decimal": decimal.Decimal}
     found = [
         module("Rhino", Geometry=geometry, FileIO=files, RhinoDoc=types.SimpleNamespace(ActiveDoc=RhinoDoc()), DocObjects=objects),
         objects,
@@ -455,7 +471,7 @@ def modules():
         special,
         data,
         kernel,
-        module("System", Collections=collections, Drawing=drawing, Object=object, Guid=uuid.UUID, Exception=Exception),
+        module("System", Collections=collections, Drawing=drawing, **values),
         collections,
         generic,
         drawing,

@@ -9,6 +9,8 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
+import numpy as np
+
 from ...errors import CGCError
 from ...io.rhino.rhinocommon import points_to_array
 from ...meshing.point_location import face_at
@@ -19,6 +21,7 @@ from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.component_feedback import with_nulls
+from ..runtime.widgets import offer_slider
 from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["TargetOutputs", "target"]
@@ -41,13 +44,14 @@ def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any, law: 
         if as_list(K):
             raise CGCError("connect either K or radius, not both")
         values = [None if R is None else _curvature(float(R)) for R in with_nulls(radius)]
+    problem = cgc_mesh.to_problem()
     numbers, texts = ([value for value in given if value is not None] for given in (values, laws))
     if not numbers and not texts:
+        offer_slider(component, "radius", *_radii(problem), others=("cgc_mesh", "region", "point"))
         raise CGCError("connect at least one curvature K, in 1 / (model unit)², or one law such as H = 0.1")
     wrong = [value for value in numbers if not math.isfinite(value)]
     if wrong:
         raise CGCError(f"the target must be a finite number, not {wrong[0]!r}")
-    problem = cgc_mesh.to_problem()
     count = problem.number_of_regions()
     everywhere: list[Optional[int]] = list(range(count)) if max(len(values), len(laws)) > 1 else []
     chosen = _chosen(problem, with_nulls(region), with_nulls(point)) or everywhere
@@ -63,6 +67,17 @@ def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any, law: 
     set_message(component, f"{len({**targets, **others})} of {count} regions")
     problem = problem.with_targets({number: float(value) for number, value in targets.items()})
     return TargetOutputs(WireMesh(problem.with_laws(others)))
+
+
+def _radii(problem: CGCProblem) -> tuple[float, float, float]:
+    """Return the smallest radius, the largest and one in between for a slider [L], of two significant digits.
+
+    The smallest sphere has its equator through the corners of the plan.
+    """
+    points = problem.without_dummies().vertices[:, :2]
+    half = 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
+    low, value = (float(f"{factor * half:.1e}") for factor in (1.0, 2.0))
+    return low, 10.0 * low, value
 
 
 def _curvature(radius: float) -> float:

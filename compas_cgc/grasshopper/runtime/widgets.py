@@ -1,12 +1,14 @@
-"""Widgets: value lists at the inputs of a new component."""
+"""Widgets: value lists and sliders at the inputs of a new component."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from collections.abc import Sequence
 from typing import Any
 from typing import Optional
 
-__all__ = ["offer_values"]
+__all__ = ["offer_slider", "offer_values"]
 
 GAP = 30.0  # distance between a list and the input [pixel]
 DELAY = 5  # [ms]; the canvas must not be changed during a solution
@@ -28,19 +30,42 @@ def offer_values(component: Any, name: str, values: Sequence[str]) -> None:
     values
         Texts to choose from; the first one is selected and must be equivalent to the default.
     """
+    _offer(component, name, lambda: _value_list(name, values), ())
+
+
+def offer_slider(component: Any, name: str, low: float, high: float, value: float, others: Sequence[str]) -> None:
+    """Add a number slider to an input, once, if nothing but some `others` is connected to the component yet.
+
+    Parameters
+    ----------
+    component
+        The component.
+    name
+        Name of the input.
+    low, high
+        Range, in hundredths of whose order of magnitude the slider moves.
+    value
+        First value.
+    others
+        Names of inputs that may be connected.
+    """
+    _offer(component, name, lambda: _slider(name, low, high, value), others)
+
+
+def _offer(component: Any, name: str, make: Callable[[], Any], others: Sequence[str]) -> None:
     parameter, document = _input(component, name), component.OnPingDocument()
     key = (str(component.InstanceGuid), name)
     if parameter is None or document is None or key in _OFFERED:
         return
     _OFFERED.add(key)
-    if any(own.SourceCount for own in component.Params.Input):
+    if any(own.SourceCount for own in component.Params.Input if own.Name not in others):
         return
     from Grasshopper.Kernel import GH_Document
 
     def create(document: Any) -> None:
         if parameter.SourceCount:
             return
-        made = _value_list(name, values)
+        made = make()
         made.CreateAttributes()
         made.Attributes.Pivot = parameter.Attributes.Pivot
         document.AddObject(made, False)
@@ -65,6 +90,18 @@ def _value_list(name: str, values: Sequence[str]) -> Any:
     for value in values:
         made.ListItems.Add(Special.GH_ValueListItem(value, f'"{value}"'))
     made.SelectItem(0)
+    return made
+
+
+def _slider(name: str, low: float, high: float, value: float) -> Any:
+    from Grasshopper.Kernel import Special
+    from System import Decimal
+
+    made = Special.GH_NumberSlider()
+    made.NickName = name
+    made.Slider.DecimalPlaces = max(0, 2 - math.floor(math.log10(high)))
+    made.Slider.Minimum, made.Slider.Maximum = Decimal(low), Decimal(high)
+    made.SetSliderValue(Decimal(value))
     return made
 
 

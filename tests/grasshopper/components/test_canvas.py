@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 import rhino3dm
 
+from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import solve
 from compas_cgc.grasshopper.components import solve as solve_module
 from compas_cgc.grasshopper.runtime import measured
 from compas_cgc.grasshopper.runtime import widgets
@@ -260,6 +262,29 @@ def test_a_value_list_appears_at_a_new_component_once(name, wire, first, some):
     assert bounds.Bounds.X + bounds.Bounds.Width == pytest.approx(parameter.Attributes.Pivot.X - widgets.GAP)
     parameter.Sources.clear()
     placed.run()
+    assert not document.scheduled, "one that is deleted does not come back"
+
+
+@pytest.mark.parametrize("unit", [0.001, 1.0, 25.4, 1000.0], ids=["km", "m", "inches of mm", "mm"])
+def test_a_slider_of_radii_fits_the_mesh_in_any_unit(unit):
+    placed, mesh = place("Target"), CGCMesh.from_meshgrid(dx=9.0 * unit, nx=9)
+    mesh.set_supports("corners")
+    placed.component.Params.Input[0].Sources.append("a wire")
+    placed.run(cgc_mesh=mesh)
+    document = placed.component.document
+    assert placed.said("Error")[0].startswith("connect at least one curvature K") and document.tick() == 1
+    (slider,) = document.objects
+    radius = next(own for own in placed.component.Params.Input if own.Name == "radius")
+    assert radius.Sources == [slider] and slider.NickName == "radius"
+    low, value, high = (float(own) / unit for own in (slider.Slider.Minimum, slider.Slider.Value, slider.Slider.Maximum))
+    assert (low, value, high) == pytest.approx((6.36, 12.73, 63.6), rel=0.03)
+    steps = (high - low) * unit * 10.0**slider.Slider.DecimalPlaces
+    assert 500.0 < steps and (steps < 10000.0 or not slider.Slider.DecimalPlaces), "neither coarse nor fine"
+    for own in (low, value, high):
+        out = placed.run(cgc_mesh=mesh, radius=[own * unit])["cgc_mesh"]
+        assert solve(out.to_problem()).converged
+    radius.Sources.clear()
+    placed.run(cgc_mesh=mesh)
     assert not document.scheduled, "one that is deleted does not come back"
 
 

@@ -222,15 +222,15 @@ OWN_MESH = Definition(
         *_headline(
             "Your own mesh",
             "1  Right-click Mesh > Set one Mesh; supports and creases are optional.\n"
-            "2  Set K: 1/r² for a sphere of radius r.   3  Set run to True.",
+            "2  Set the radius of a sphere, in model units.   3  Set run to True.",
         ),
         Parameter("mesh", "Mesh", "Mesh"),
         Parameter("points", "supports", "Point"),
         Parameter("curves", "creases", "Curve"),
-        Slider("K", "curvature K", 0.01, 0.0, 1.0, 4),
+        Slider("radius", "radius", 10.0, 1.0, 100.0, 1),
         Toggle("flip", "flip"),
         Script("made", "CGC_Mesh", {"mesh": "mesh", "supports": "points", "creases": "curves", "flip": "flip"}),
-        Script("target", "CGC_Target", {"cgc_mesh": "made.cgc_mesh", "K": "K"}),
+        Script("target", "CGC_Target", {"cgc_mesh": "made.cgc_mesh", "radius": "radius"}),
         *SWITCHES,
         _solving("target.cgc_mesh"),
         ValueList("show", "show", FIGURES),
