@@ -52,6 +52,7 @@ __all__ = ["moulds"]
 
 K_TOLERANCE = 1e-9  # relative difference below which two curvatures count as equal
 MAX_GAP = 0.05  # gap relative to the mean edge length above which the surface does not have the K of the mould
+MIN_THICKNESS = 0.01  # of sheets, below which it is probably in other units [mm]
 ROTATIONS = 24  # rotations about the pole tried on a pseudosphere, which is not isotropic
 
 
@@ -131,6 +132,8 @@ def moulds(
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
     if not 0.0 < checked_number(thickness, "thickness") < math.inf:
         raise CGCError(f"the thickness must be a positive number [mm], not {thickness!r}")
+    if thickness < MIN_THICKNESS:
+        raise CGCError(f"a thickness of {thickness:g} mm is thinner than foil; give it in mm, such as {1e3 * thickness:g}")
     if not (math.isfinite(tolerance) and tolerance >= 0.0):
         raise CGCError(f"the tolerance must be at least 0 mm, not {tolerance!r}")
     _check_panels(problem, panels)

@@ -27,6 +27,7 @@ from ..errors import CGCError
 from ..errors import names_what_was_meant
 from ..meshing.level_cuts import CutMesh
 from ..model.given import checked_number
+from ..model.given import refuse_other_units
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
@@ -147,6 +148,10 @@ def panels(
     if count is not None and not checked_number(count, "the count of panels") >= 1:
         raise CGCError(f"the count of panels per region must be at least 1, not {count!r}")
     problem = problem_of(mesh, "or the result of a solve is built from").without_dummies()
+    extent = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
+    for name, given in (("the size of panels", size), ("the width of columns", columns), ("the width of rows", rows)):
+        if given is not None:
+            refuse_other_units(name, float(np.min(given)), extent, problem.drawing.units)
     if curves is None:
         return grid_panels(problem, Division(size, count, columns, rows, along=along), shortest)
     joints = curve_joints(problem, [curve.points for curve in curves.curves] if isinstance(curves, CurveNet) else curves)

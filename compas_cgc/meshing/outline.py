@@ -101,6 +101,12 @@ def mesh_from_outline(
     outline, *holes = (_closed(np.asarray(ring), tolerance) for ring in (outline, *holes))
     rings = [ring[:, :2] for ring in (outline, *holes)]
     domain = shapely.Polygon(rings[0], rings[1:])
+    extent = float(np.linalg.norm(np.ptp(rings[0], axis=0)))
+    if edge_length > extent > 0.0:
+        raise MeshError(
+            f"the edge length {edge_length:g} is larger than the outline, whose size is {extent:.3g}; use a shorter edge, "
+            "and check that the outline and the edge length have the same unit"
+        )
     if not domain.is_valid or domain.area < edge_length**2:
         raise MeshError(f"the outline and its holes do not enclose an area that can be meshed: {_fault(domain, outline, edge_length)}")
     expected = domain.area / (edge_length**2 * np.sqrt(3) / 2)

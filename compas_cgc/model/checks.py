@@ -38,6 +38,9 @@ from .straight_edges import twisted_edges
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
 GENTLE_TOTAL_CURVATURE = 0.5  # total curvature of a region for the suggested target [rad]
+# Total curvature K A of a region beyond which K is probably in other units, whose factor is 1e6 for mm and m: a fold of an angle of .3
+# degrees, and 80 whole spheres.
+MIN_TOTAL_CURVATURE, MAX_TOTAL_CURVATURE = 3e-5, 1e3
 COLLINEAR_TOLERANCE = 1e-6  # width of a row of supports, relative to the drawing, that still counts as a straight line
 NEEDLE_ANGLE = 10.0  # degrees; where K̄ < 0 a triangle with a smaller angle is reported
 
@@ -80,7 +83,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     problems += law_problems(problem) if sound else []
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
-        problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real)
+        problems += _unit_problems(real) + _remarks(real) + _existence_problems(real) + _saddle_problems(real)
         problems += [Diagnostic(said, fatal=False) for said in (*two_sided_supports(real), *twisted_edges(real))]
     return problems
 
@@ -144,6 +147,24 @@ def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     if wrong.any():
         problems.append(Diagnostic(f"the targets of vertices {listed(names[wrong])} are not finite numbers; set finite targets"))
     return problems
+
+
+def _unit_problems(problem: CGCProblem) -> list[Diagnostic]:
+    """Return a warning about regions whose total curvature suggests that K is in other units than the mesh."""
+    areas = np.bincount(problem.regions(), face_areas(problem.vertices, problem.faces)).tolist()
+    totals = [(abs(K) * area, K, region) for region, (K, area) in enumerate(zip(problem.region_targets(), areas)) if K]
+    strange = [own for own in totals if not MIN_TOTAL_CURVATURE <= own[0] <= MAX_TOTAL_CURVATURE]
+    if not strange:
+        return []
+    total, K, region = strange[0]
+    spheres = f"would have the curvature of {total / (4.0 * np.pi):.2g} whole spheres"
+    others = f" (and {len(strange) - 1} others)" if len(strange) > 1 else ""
+    text = (
+        f"with K = {K:.3g}, a radius of {abs(K) ** -0.5:.3g}, region {region}{others} of a mesh of size "
+        f"{float(np.linalg.norm(np.ptp(problem.vertices, axis=0))):.3g} {'is almost flat' if total < MIN_TOTAL_CURVATURE else spheres}; "
+        "check the units: K is in 1/(model unit)², and 0.01 1/m² is 1e-08 1/mm²"
+    )
+    return [Diagnostic(text, fatal=False)]
 
 
 def _unknown(problem: CGCProblem) -> np.ndarray:

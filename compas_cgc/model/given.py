@@ -8,15 +8,18 @@ from collections.abc import Iterable
 from collections.abc import Mapping
 from collections.abc import Sequence
 from typing import Any
+from typing import Optional
 from typing import Union
 
 import numpy as np
 
+from ..errors import CGCError
 from ..meshing.boundary import SUPPORT_NAMES
 from ..meshing.checks import listed
 
-__all__ = ["checked_number", "no_region", "no_vertex", "vertex_names", "vertex_paths", "wrong_problem"]
+__all__ = ["checked_number", "refuse_other_units", "no_region", "no_vertex", "vertex_names", "vertex_paths", "wrong_problem"]
 
+MAX_LENGTH_RATIO = 20.0  # of a length and the surface that it divides, beyond which it is probably in other units: 1000 for mm and m
 NEAREST = "mesh.vertices_near(points) returns the keys of the vertices nearest to given points"
 
 
@@ -31,6 +34,28 @@ def checked_number(value: object, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise ValueError(f"{name} must be a number, not {_shown(value)}")
     return float(value)
+
+
+def refuse_other_units(name: str, value: float, size: float, units: Optional[str]) -> None:
+    """Refuse a length that is far larger than the surface.
+
+    Parameters
+    ----------
+    name
+        Name of the length, such as ``the size of panels``.
+    value, size
+        The length and the size of the surface [L].
+    units
+        Units of the drawing, None if unknown.
+
+    Raises
+    ------
+    CGCError
+        With the size of the surface.
+    """
+    if value > MAX_LENGTH_RATIO * size:
+        unit = (units or "units of the model").lower()
+        raise CGCError(f"{name}, {value:g} {unit}, is far larger than the surface, whose size is {size:.3g} {unit}; give it in {unit}")
 
 
 def no_region(region: object, count: int, creased: bool) -> str:

@@ -20,6 +20,7 @@ from ..errors import CGCError
 from ..errors import names_what_was_meant
 from ..meshing import named_supports
 from ..meshing.polyline import nearest_on_polyline
+from ..model.given import refuse_other_units
 from ..model.problem import CGCProblem
 from ..solvers.run import solve
 from .assignment import Moulds
@@ -40,6 +41,9 @@ from .seams import panels_of
 
 __all__ = ["Progress", "rationalise"]
 
+MAX_PANELS_ALONG = 1000  # along the size of a design
+MAX_WITHIN_RATIO = 0.1  # distance that is to be kept, relative to the size
+MAX_RADIUS_RATIO = 100.0  # of radii of moulds and the size; a sphere of this radius deviates from a plane by 1/800 of the size
 MAX_MOULDS = 16  # that are tried for a distance that is to be kept
 
 MouldsInput = Union[int, Sequence[float], None]
@@ -136,6 +140,7 @@ def rationalise(
     for name, value in (("panel", panel), ("within", within)):
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise CGCError(f"{name} must be a length above zero, in the units of the design, not {value!r}")
+    _check_scale(read, panel, within, moulds)
     panelling = panels_of(read, panel, edges, seams)
     fixed = _fixed(read, panelling, supports)
     moves = NormalMoves(panelling, fixed)
@@ -143,6 +148,30 @@ def rationalise(
     best = _assigned(moves, moulds, flat, within, locked, stop)
     tried = MAX_MOULDS if moulds is None else len(best.assigned.values)
     return _result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels))
+
+
+def _check_scale(design: Design, panel: Optional[float], within: Optional[float], moulds: MouldsInput) -> None:
+    """Refuse widths of panels, distances and radii that are probably in other units than the design."""
+    size, unit = design.surface.size, (design.drawing.units or "units of the design").lower()
+    if panel is not None:
+        refuse_other_units("the width of panels", panel, size, design.drawing.units)
+        if size > MAX_PANELS_ALONG * panel:
+            raise CGCError(
+                f"panels of {panel:g} {unit} would divide the design, whose size is {size:.3g} {unit}, more than {MAX_PANELS_ALONG} times; "
+                f"give their width in {unit}, {size / MAX_PANELS_ALONG:.2g} or more"
+            )
+    if within is not None and within > MAX_WITHIN_RATIO * size:
+        raise CGCError(
+            f"a distance of {within:g} {unit} is more than a tenth of the design, whose size is {size:.3g} {unit}; give within in {unit}"
+        )
+    if moulds is None or isinstance(moulds, (int, np.integer)):
+        return
+    for K in catalogue(moulds):
+        radius = abs(K) ** -0.5 if K else size
+        if not size / MAX_RADIUS_RATIO <= radius <= MAX_RADIUS_RATIO * size:
+            raise CGCError(
+                f"a mould of radius {radius:g} {unit} does not fit a design of size {size:.3g} {unit}; give radii in {unit}, inf for flat"
+            )
 
 
 def _fixed(design: Design, panelling: Panelling, supports: Union[str, Sequence[Sequence[float]], None]) -> Mask:

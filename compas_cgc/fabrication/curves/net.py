@@ -19,6 +19,7 @@ from ...errors import CGCError
 from ...errors import names_what_was_meant
 from ...meshing import vertex_labels
 from ...model.given import checked_number
+from ...model.given import refuse_other_units
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ..materials import metres_per_unit
@@ -253,6 +254,7 @@ def curve_net(
         field = _field(problem, region, own, kind == RULING)
         size = _size(problem, own)
         step = spacing or size * DEFAULT_SPACING
+        refuse_other_units("the spacing", step, size, problem.drawing.units)
         check_spacing(size, step, region)
         equal: Optional[ChebyshevNet] = None
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):

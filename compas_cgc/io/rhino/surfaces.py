@@ -33,6 +33,7 @@ from .user_text import user_law
 __all__ = ["MeshedSurface", "default_edge_length", "rounded_length", "surface_part"]
 
 EDGES = 30  # default number of edges along the diagonal of a surface
+MAX_EDGES = 2000  # along the size of a surface
 KINK = np.radians(20.0)  # turning angle of an edge above which it gets a vertex
 SIDE_TOLERANCE = 0.05  # distance within which an edge follows a side of its surface, relative to the edge length
 COINCIDENCE = 1e-3  # distance within which two points on an edge coincide, relative to the edge length
@@ -103,6 +104,7 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
         geometry = geometry.ToBrep(True)
     elif isinstance(geometry, rhino3dm.Surface):
         geometry = rhino3dm.Brep.CreateFromSurface(geometry)
+    _check_length(item, edge_length, unit)
     made, length = _attempted(item, geometry, edge_length, tolerance, [crease.points for crease in creases])
     vertices, faces, deviation = made.vertices, made.faces, made.deviation
     text = f"{item.label} was meshed with edges of about {length:g}{unit}, within {deviation:.2g}{unit} of the surface"
@@ -115,6 +117,19 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
     law = user_law({**item.layer_text, **item.text})
     part = Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, law, item.text)
     return MeshedSurface(part, drawn, [text], bool(made.creases))
+
+
+def _check_length(item: Item, edge_length: float, unit: str) -> None:
+    """Refuse an edge length that is probably in other units than the surface."""
+    box = item.geometry.GetBoundingBox()
+    size = float(np.linalg.norm([box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z]))
+    if edge_length > size > 0.0:
+        what = "is larger than it"
+    elif size > MAX_EDGES * edge_length:
+        what = f"would divide it more than {MAX_EDGES} times"
+    else:
+        return
+    raise FileError(f"an edge length of {edge_length:g}{unit} {what}: {item.label} has a size of {size:.3g}{unit}; give it in its unit")
 
 
 def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: float, creases: Sequence[FloatArray]) -> tuple[Meshed, float]:
