@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import mesh_to_arrays
 from ...io.rhino.rhinocommon import points_to_array
 from ...io.rhino.rhinocommon import polyline_to_rhino
+from ...model.problem import CGCProblem
 from ...rationalisation import Rationalised
 from ...rationalisation import rationalise as rationalise_design
 from ...rationalisation.run import Progress as Round
@@ -33,6 +35,8 @@ from ..runtime.progress import Report
 from ..runtime.runner import Finished
 from ..runtime.runner import Last
 from ..runtime.runner import Runner
+from ..runtime.saved import problem_from_text
+from ..runtime.saved import problem_to_text
 from ..runtime.wire_mesh import WireMesh
 from .regions import part_of
 
@@ -53,7 +57,73 @@ class RationaliseOutputs(NamedTuple):
     report: Optional[str] = None
 
 
-_RUNNER = Runner(RationaliseOutputs(), "assigning panels")
+class _Found(NamedTuple):
+    """What was found, for the outputs and for the file of the definition."""
+
+    problem: CGCProblem
+    panels: list[int]  # panel of each face
+    classes: list[int]  # mould of each panel
+    curvatures: list[float]  # K of each mould [1/L^2]
+    distance: list[float]  # signed distance of each vertex from the design [L]
+    kinks: list[float]  # folds at seams [degree]
+    report: str
+    message: str  # text below the component
+    balloons: tuple[tuple[str, str], ...]
+
+    @classmethod
+    def of(cls, found: Rationalised) -> _Found:
+        """Return what a computation has found."""
+        balloons = [("Remark", note) for note in found.design.notes]
+        if not found.result.converged:
+            balloons.append(("Warning", found.result.message))
+        elif found.suggestion:
+            balloons.append(("Warning", found.suggestion))
+        return cls(
+            found.result.problem,
+            found.panels.tolist(),
+            np.asarray(found.classes).tolist(),
+            found.curvatures.tolist(),
+            found.distance.signed.tolist(),
+            found.folds.angles.tolist(),
+            found.summary,
+            f"{found.panelling.panel_count} panels, {len(found.curvatures)} moulds",
+            tuple(balloons),
+        )
+
+    @classmethod
+    def from_text(cls, text: str) -> _Found:
+        """Return what is in the file of the definition."""
+        data = json.loads(text)
+        balloons = tuple((level, sentence) for level, sentence in data["balloons"])
+        return cls(**{**data, "problem": problem_from_text(data["problem"]), "balloons": balloons})
+
+    def to_text(self) -> str:
+        """Return the text for the file of the definition."""
+        return json.dumps({**self._asdict(), "problem": problem_to_text(self.problem)})
+
+    def outputs(self) -> RationaliseOutputs:
+        """Return the outputs."""
+        vertices, faces = self.problem.vertices, self.problem.faces
+        edges: FloatArray = vertices[self.problem.creases]
+        signed, panels = np.array(self.distance), np.array(self.panels)
+        return RationaliseOutputs(
+            mesh=mesh_from_arrays(vertices, faces, signed_colours(signed, largest(signed))),
+            cgc_mesh=WireMesh(self.problem),
+            panels=[mesh_from_arrays(*part_of(vertices, faces[panels == number])) for number in range(len(self.classes))],
+            classes=self.classes,
+            curvatures=self.curvatures,
+            seam_lines=[polyline_to_rhino(edge) for edge in edges],
+            distance=self.distance,
+            kinks=self.kinks,
+            report=self.report,
+        )
+
+
+def _finished(found: _Found, text: str = "") -> Finished:
+    return Finished(found.outputs(), found.message, found.balloons, found, text)
+
+
+_RUNNER = Runner(RationaliseOutputs(), "assigning panels", lambda text: _finished(_Found.from_text(text)))
 
 
 @reports_errors(RationaliseOutputs)
@@ -79,11 +149,14 @@ def rationalise(
     given = file_path(component, design) if isinstance(design, str) else design
 
     def work(report: Report, last: Last) -> Finished:
+        if last.current:
+            return _finished(last.value)
+
         def watch(state: Round) -> bool:
             text = f"round {state.done} of at most {state.rounds}, distance {state.distance:.3g}"
             return report(Progress(part=state.done / max(state.rounds, 1), task=text))
 
-        found = rationalise_design(
+        done = rationalise_design(
             _design(given),
             moulds=_moulds(numbers, limit),
             panel=panel or None,
@@ -92,7 +165,8 @@ def rationalise(
             supports=points.tolist() if len(points) else None,
             callback=watch,
         )
-        return _shown(found)
+        found = _Found.of(done)
+        return _finished(found, found.to_text())
 
     inputs = (given, panel, numbers, [line.tolist() for line in lines], limit, points.tolist())
     shown = _RUNNER.outputs(component, inputs, work, run=bool(run), wait=bool(wait), brief=False)
@@ -118,27 +192,3 @@ def _moulds(numbers: Sequence[float], limit: Optional[float]) -> Any:
     if not numbers[0].is_integer():
         raise CGCError(f"moulds must be a whole number, or the radii of two or more moulds, not {numbers[0]:.3g}")
     return int(numbers[0])
-
-
-def _shown(found: Rationalised) -> Finished:
-    problem, signed = found.result.problem, found.distance.signed
-    edges: FloatArray = problem.vertices[problem.creases]
-    out = RationaliseOutputs(
-        mesh=mesh_from_arrays(problem.vertices, problem.faces, signed_colours(signed, largest(signed))),
-        cgc_mesh=WireMesh(problem),
-        panels=[
-            mesh_from_arrays(*part_of(problem.vertices, problem.faces[found.panels == number])) for number in range(len(found.classes))
-        ],
-        classes=np.asarray(found.classes).tolist(),
-        curvatures=found.curvatures.tolist(),
-        seam_lines=[polyline_to_rhino(edge) for edge in edges],
-        distance=signed.tolist(),
-        kinks=found.folds.angles.tolist(),
-        report=found.summary,
-    )
-    balloons = [("Remark", note) for note in found.design.notes]
-    if not found.result.converged:
-        balloons.append(("Warning", found.result.message))
-    elif found.suggestion:
-        balloons.append(("Warning", found.suggestion))
-    return Finished(out, f"{found.panelling.panel_count} panels, {len(found.curvatures)} moulds", tuple(balloons))

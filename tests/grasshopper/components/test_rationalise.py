@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from compas_cgc.grasshopper.components import rationalise as module
 from compas_cgc.rationalisation import rationalise
 
+from ...support.gh_stand_ins import Document
 from ...support.gh_stand_ins import Point3d
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
@@ -21,7 +23,7 @@ def design():
     return vertices, [[i * 17 + j, i * 17 + 17 + j, i * 17 + 18 + j, i * 17 + 1 + j] for i in range(24) for j in range(16)]
 
 
-def test_a_mesh_becomes_panels_on_two_moulds():
+def test_a_mesh_becomes_panels_on_two_moulds(monkeypatch):
     placed, own = place("Rationalise"), rhino_mesh(*design())
     assert placed.run(design=own, panel=2.0, moulds=[2.0])["mesh"] is None and placed.component.Message == "set run to true"
     out = placed.settle(design=own, panel=2.0, moulds=[2.0], run=True)
@@ -34,6 +36,18 @@ def test_a_mesh_becomes_panels_on_two_moulds():
     assert len(out["seam_lines"]) == len(expected.panelling.seams) and out["report"] == expected.summary
     moulds = place("Mould").settle(cgc_mesh=out["cgc_mesh"])
     assert len(moulds["panels"]) == 24 and len(moulds["moulds"]) == 2
+    monkeypatch.setattr(module, "rationalise_design", None)
+    document = Document()
+    document.ValueTable.texts = dict(placed.component.document.ValueTable.texts)
+    again = place("Rationalise", document)
+    again.component.InstanceGuid = placed.component.InstanceGuid
+    assert again.run(design=own, panel=2.0, moulds=[3.0], run=False)["report"] == out["report"]
+    assert again.component.Message == "set run to true", "it is out of date"
+    back = again.settle(design=own, panel=2.0, moulds=[2.0], run=False)
+    same = [name for name in out if name not in ("mesh", "cgc_mesh", "panels", "seam_lines")]
+    assert [back[name] for name in same] == [out[name] for name in same], "when the definition is opened again"
+    assert np.array_equal(back["mesh"].Vertices, out["mesh"].Vertices) and back["mesh"].VertexColors == out["mesh"].VertexColors
+    assert [panel.Faces for panel in back["panels"]] == [panel.Faces for panel in out["panels"]]
 
 
 @pytest.mark.parametrize(
