@@ -397,7 +397,7 @@ class Page:
             before = now
 
     def number(self, region):
-        return self.one(f"[aria-label='K of Region {region}'][type=number]")
+        return self.one(f"[aria-label='K of Region {region}'].number")
 
     def download(self, suffix):
         next(button for button in self.all("#downloads button") if button.text == f".{suffix}").click()
@@ -555,7 +555,7 @@ def test_refusals_are_shown_in_the_words_of_the_server(page, tmp_path):
     page.one("#file").send_keys(str(tmp_path / "broken.3dm"))
     assert "not a Rhino file" in page.seen("#trouble").text
     page.example("example2")
-    field = page.one(".region [type=number]")
+    field = page.one(".region .number")
     field.send_keys(Keys.CONTROL + "a")
     field.send_keys("50" + Keys.ENTER)
     assert "more than this boundary can carry" in page.seen(".verdict.bad").text

@@ -109,11 +109,24 @@ def test_heights_of_columns_are_carried_smoothly(hands):
 def test_what_is_typed_is_a_length_an_angle_or_a_place(hands):
     found = hands.read(
         "const { typedPoint } = await import('/page/draw/typed.js');"
-        "return [['5', [1, 2], [1, 9]], ['2<30', [0, 0], null], ['3, 4', [1, 1], null], ['3 4', null, null], ['-1,2', [0, 0], null],"
+        "return [['5', [1, 2], [1, 9]], ['2<30', [0, 0], null], ['3, 4', [1, 1], null], ['3 4', null, null], ['-1; 2,5', [0, 0], null],"
         "['5', null, [1, 1]], ['x', [0, 0], null], ['0', [0, 0], [1, 0]]].map((each) => typedPoint(...each))"
     )
-    assert found[0] == pytest.approx([1, 7]) and found[1] == pytest.approx([3**0.5, 1]) and found[2:5] == [[4, 5], [3, 4], [-1, 2]]
+    assert found[0] == pytest.approx([1, 7]) and found[1] == pytest.approx([3**0.5, 1]) and found[2:5] == [[4, 5], [3, 4], [-1, 2.5]]
     assert found[5:] == [None, None, None]
+    comma, *refused = hands.read(
+        "const { typedPoint } = await import('/page/draw/typed.js');"
+        "return ['12,5', '1.234,5', '1,234,567'].map((text) => typedPoint(text, [0, 0], [1, 0]))"
+    )
+    assert comma == [12.5, 0] and refused == [None, None]
+
+
+def test_numbers_are_read_with_a_point_or_a_comma_and_groups_are_refused(hands):
+    texts = ["12,5", "12.5", "0,015", "0.015", ",5", "5,", "-1e-3", "\u22123,5", " 7 ", "1,234"]
+    read = hands.read("const { numberIn } = await import('/page/fields.js'); return args[0].map(numberIn)", texts)
+    assert read == [12.5, 12.5, 0.015, 0.015, 0.5, 5, -0.001, -3.5, 7, 1.234]
+    texts = ["1.234,5", "1,234.5", "1 234", "1,234,567", "1'234", "", "x", "0x10", "1e", "--1", "Infinity"]
+    assert hands.read("const { numberIn } = await import('/page/fields.js'); return args[0].map(numberIn)", texts) == [None] * len(texts)
 
 
 def test_a_region_that_is_divided_keeps_name_colour_and_K(hands):
@@ -175,7 +188,7 @@ def test_many_regions_are_grouped(hands):
         "const regions = new Regions(room, { change: () => (told += 1), over() {}, name() {}, colour() {} });"
         "regions.show(new Model(args[0]));"
         "const rows = [...room.querySelectorAll('.region')]; const top = rows.filter((row) => !row.closest('details'));"
-        "const field = top[1].querySelector('[type=number]'); field.value = 0.03; field.dispatchEvent(new Event('change'));"
+        "const field = top[1].querySelector('.number'); field.value = 0.03; field.dispatchEvent(new Event('change'));"
         "return [top.length, rows.length - top.length, [told, regions.targets.filter((K) => K === 0.03).length]]",
         data,
     )

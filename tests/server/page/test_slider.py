@@ -68,7 +68,7 @@ def test_the_surface_of_the_slider_is_that_of_a_solve_from_the_drawing(tmp_path)
         hands.click("#solve")
         found()
         for K in (0.021, 0.018):
-            hands.fill(".region [type=number]", K)
+            hands.fill(".region .number", K)
             xyz, message, on = found()
             roof.set_target(K)
             assert on[-1] and "on from the surface" in message
@@ -79,7 +79,7 @@ def test_the_surface_of_the_slider_is_that_of_a_solve_from_the_drawing(tmp_path)
         hands.read(LET_GO)
         wait_for(lambda: json.loads(hands.read(TOLERANCES))[-2:] == [1e-5, None], what="what was held is not found to the last digit")
         let_go = np.reshape(found()[0], (-1, 3))
-        roof.set_target(float(hands.value(".region [type=number]")))
+        roof.set_target(float(hands.value(".region .number")))
         assert 0.0 < np.abs(let_go - held).max() < 1e-5 * 6.0
         assert np.abs(let_go - solve(roof).vertices).max() < 1e-9 * 6.0
         hands.read(LET_GO)

@@ -1,5 +1,6 @@
 /** Fields for the heights of isolated supports. */
 
+import { asNumberField, numberOf } from './fields.js';
 import { readable } from './numbers.js';
 
 const MAX_ROWS = 12;
@@ -23,8 +24,8 @@ export function showColumns(room, model, held, change) {
       const [x, y] = (model.ground ?? model.vertices)[vertex];
       words.textContent = `Support at ${readable(x)}, ${readable(y)}`;
       const height = model.heights[vertex] ?? 0;
-      Object.assign(field, { type: 'number', step: 'any', value: height || '', placeholder: '0', ariaLabel: `Height of support ${number + 1}`, title: 'Height above the drawn position' });
-      field.addEventListener('change', () => change([vertex], Number.isFinite(field.valueAsNumber) ? field.valueAsNumber : 0));
+      asNumberField(field, { value: height || '', placeholder: '0', ariaLabel: `Height of support ${number + 1}`, title: 'Height above the drawn position' });
+      field.addEventListener('change', () => change([vertex], numberOf(field) || 0));
       label.append(words, field);
       row.append(label);
       return row;

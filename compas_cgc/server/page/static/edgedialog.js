@@ -1,5 +1,7 @@
 /** Dialog for the edge length of the mesh of curves or surfaces. */
 
+import { numberOf, showNumber } from './fields.js';
+
 /**
  * Return a function that opens the dialog.
  * @param {HTMLDialogElement} dialog
@@ -10,11 +12,11 @@ export function edgeDialog(dialog) {
   dialog.querySelector('#edge-cancel').addEventListener('click', () => dialog.close(''));
   return (text) => {
     dialog.querySelector('#edge-text').textContent = text;
-    field.value = '';
+    showNumber(field);
     dialog.returnValue = '';
     dialog.showModal();
     return new Promise((resolve) => {
-      dialog.addEventListener('close', () => resolve(dialog.returnValue === 'go' && field.valueAsNumber > 0 ? field.valueAsNumber : null), { once: true });
+      dialog.addEventListener('close', () => resolve(dialog.returnValue === 'go' && numberOf(field) > 0 ? numberOf(field) : null), { once: true });
     });
   };
 }

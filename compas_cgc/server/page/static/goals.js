@@ -1,5 +1,7 @@
 /** Fields of the goals: rise, height limits, free edges, clear volumes. */
 
+import { asNumberField, numberOf, showNumber } from './fields.js';
+
 const SIDES = [
   ['x0', 'from x'],
   ['y0', 'from y'],
@@ -21,7 +23,7 @@ export class Goals {
     this.change = change;
     for (const name of ['rise', 'above', 'below']) {
       this.fields[name].addEventListener('change', ({ target }) => {
-        const value = Number.isFinite(target.valueAsNumber) ? target.valueAsNumber : null;
+        const value = Number.isFinite(numberOf(target)) ? numberOf(target) : null;
         // Entering the first rise makes K unknown.
         const found = name === 'rise' && this.goals.rise === undefined && value !== null ? { found: true } : {};
         change({ [name]: value, ...found }, name);
@@ -39,7 +41,7 @@ export class Goals {
   show(goals, model) {
     this.goals = goals ?? {};
     this.model = model;
-    for (const name of ['rise', 'above', 'below']) this.fields[name].value = this.goals[name] ?? '';
+    for (const name of ['rise', 'above', 'below']) showNumber(this.fields[name], this.goals[name]);
     for (const name of ['found', 'edge']) this.fields[name].checked = Boolean(this.goals[name]);
     this.fields.found.disabled = this.goals.rise === null || this.goals.rise === undefined;
     const boxes = this.goals.boxes ?? [];
@@ -64,10 +66,10 @@ export class Goals {
     const row = document.createElement('li');
     const fields = SIDES.map(([name, words]) => {
       const [label, field] = ['label', 'input'].map((tag) => document.createElement(tag));
-      Object.assign(field, { type: 'number', step: 'any', value: box[name], ariaLabel: `Clear volume ${number + 1} ${words}` });
+      asNumberField(field, { value: box[name], ariaLabel: `Clear volume ${number + 1} ${words}` });
       field.addEventListener('change', () => {
-        if (!Number.isFinite(field.valueAsNumber)) field.value = box[name];
-        else this.change({ boxes: this.goals.boxes.map((own, k) => (k === number ? { ...own, [name]: field.valueAsNumber } : own)) }, `box ${number} ${name}`);
+        if (!Number.isFinite(numberOf(field))) showNumber(field, box[name]);
+        else this.change({ boxes: this.goals.boxes.map((own, k) => (k === number ? { ...own, [name]: numberOf(field) } : own)) }, `box ${number} ${name}`);
       });
       label.append(words, field);
       return label;

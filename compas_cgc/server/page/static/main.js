@@ -5,10 +5,13 @@ import { Keep } from './design/keep.js';
 import { fromFragment } from './design/packing.js';
 import { emptyPlan } from './draw/plan.js';
 import { edgeDialog } from './edgedialog.js';
+import { guardNumberFields } from './fields.js';
 import { keyDialog } from './keydialog.js';
 import { Welcome } from './welcome.js';
 
 const MARK = '#design=';
+
+guardNumberFields();
 
 /** @type {(id: string) => any} the elements are those of index.html */
 const $ = (id) => document.getElementById(id);

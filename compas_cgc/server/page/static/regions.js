@@ -1,5 +1,6 @@
 /** One slider and one number per region; many regions are grouped by their targets. */
 
+import { asNumberField, numberOf, showNumber } from './fields.js';
 import { readable, roundAbove } from './numbers.js';
 
 const STEPS = 200; // steps of a slider on each side of zero
@@ -119,7 +120,7 @@ export class Regions {
     element.className = 'region';
     radius.className = 'radius';
     mark.className = 'carry';
-    Object.assign(number, { type: 'number', step: 'any', ariaLabel: `K of ${name}` });
+    asNumberField(number, { ariaLabel: `K of ${name}` });
     Object.assign(slider, { type: 'range', min: -STEPS, max: STEPS, step: 1, ariaLabel: `K of ${name}` });
     const track = document.createElement('span');
     track.className = 'track';
@@ -135,7 +136,7 @@ export class Regions {
     // A slider released at its initial value has not changed.
     for (const event of ['change', 'pointerup', 'pointercancel']) slider.addEventListener(event, () => this.listener.release());
     number.addEventListener('change', () => {
-      if (number.value !== '' && Number.isFinite(number.valueAsNumber)) this.give(regions, number.valueAsNumber);
+      if (Number.isFinite(numberOf(number))) this.give(regions, numberOf(number));
       else this.refresh();
     });
     const lit = regions.length < this.targets.length ? regions : [];
@@ -191,7 +192,7 @@ export class Regions {
       const K = this.targets[regions[first]];
       const same = values.size === 1 && K !== null;
       // A computed K has more digits than fit in the field.
-      number.value = !same ? '' : number.disabled ? Number(K.toPrecision(3)) : K;
+      showNumber(number, !same ? '' : number.disabled ? Number(K.toPrecision(3)) : K);
       number.placeholder = same ? '' : 'various';
       slider.value = Math.round(((K ?? 0) / reach) * STEPS);
       radius.textContent = same ? shape(K, this.model.unit) : K === null ? '' : 'in proportion';

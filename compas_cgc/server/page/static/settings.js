@@ -1,5 +1,6 @@
 /** Supports, method and its options. */
 
+import { asNumberField, numberOf } from './fields.js';
 import { capitalised } from './words.js';
 
 /** Fields of the panel except the regions. */
@@ -116,12 +117,13 @@ function numberField(option) {
     Object.assign(field, { type: 'text', placeholder: 'free' });
     return field;
   }
-  Object.assign(field, { type: 'number', step: whole ? '1' : 'any', placeholder: option.default ?? 'auto' });
+  asNumberField(field, { placeholder: option.default ?? 'auto' });
+  if (whole) field.dataset.whole = 'true';
   for (const [limit, bound] of [
     ['min', option.minimum ?? option.exclusiveMinimum],
     ['max', option.maximum ?? option.exclusiveMaximum],
   ]) {
-    if (bound !== undefined) field[limit] = bound;
+    if (bound !== undefined) field.dataset[limit] = String(bound);
   }
   return field;
 }
@@ -132,6 +134,6 @@ function numberField(option) {
  * @returns {number | string | boolean}
  */
 export function valueOf(field) {
-  if (field.type === 'number') return field.valueAsNumber;
+  if (field instanceof HTMLInputElement && field.classList.contains('number')) return numberOf(field);
   return { true: true, false: false }[field.value] ?? field.value;
 }

@@ -1,5 +1,6 @@
 /** The drawing board: lines, circles and columns drawn by pointer and by typed lengths. */
 
+import { numberIn } from '../fields.js';
 import { Ink } from './ink.js';
 import { boundsOf, circle, rolesOf, segmentsOf, tidy, withLength } from './plan.js';
 import { snapped } from './snap.js';
@@ -19,7 +20,7 @@ const ON = [
   'The outline is closed: make the surface, or click the first point of a crease or a hole.',
   'Click the next point, or type a length. Click the first point to close a hole. Enter ends a crease.',
 ];
-const UNREAD = ['Type coordinates such as 3, 4.', 'Type a length such as 5, a length and an angle such as 5 < 30, or an offset such as 3, 4.'];
+const UNREAD = ['Type coordinates such as 3; 4.', 'Type a length such as 5, a length and an angle such as 5 < 30, or an offset such as 3; 4.'];
 const DUPLICATE = 'There is already a point here.';
 
 /** The board. */
@@ -321,7 +322,7 @@ export class Board {
     const { value } = this.typing.field;
     if (this.asking) {
       const { line, segment } = this.asking;
-      const length = Number(value);
+      const length = numberIn(value);
       this.asking = null;
       this.typing.field.value = '';
       if (length > 0) {

@@ -1,6 +1,7 @@
 /** The panel beside the drawing board: name, unit, edge length, lines and columns. */
 
 import { areaOf, boundsOf, rolesOf, segmentsOf, suggestedEdge } from './plan.js';
+import { asNumberField, numberOf } from '../fields.js';
 import { readable } from '../numbers.js';
 import { capital } from '../words.js';
 
@@ -25,7 +26,7 @@ export class Desk {
     this.fields['plan-name'].addEventListener('change', ({ target }) => listener.name(target.value.trim()));
     this.fields['plan-unit'].addEventListener('change', ({ target }) => listener.change({ ...this.plan, unit: target.value }));
     this.fields['plan-edge'].addEventListener('change', ({ target }) => {
-      listener.change({ ...this.plan, edge: target.valueAsNumber > 0 ? target.valueAsNumber : null });
+      listener.change({ ...this.plan, edge: numberOf(target) > 0 ? numberOf(target) : null });
     });
     panel.addEventListener('submit', (event) => {
       event.preventDefault();
@@ -85,9 +86,9 @@ export class Desk {
     });
     const columns = plan.columns.map((column, number) => {
       const field = document.createElement('input');
-      Object.assign(field, { type: 'number', step: 'any', value: column.height || '', placeholder: '0', ariaLabel: `Height of column ${number + 1}` });
+      asNumberField(field, { value: column.height || '', placeholder: '0', ariaLabel: `Height of column ${number + 1}` });
       field.addEventListener('change', () => {
-        const height = field.valueAsNumber || 0;
+        const height = numberOf(field) || 0;
         this.listener.change({ ...this.plan, columns: this.plan.columns.map((own, k) => (k === number ? { ...own, height } : own)) });
       });
       const label = document.createElement('label');
