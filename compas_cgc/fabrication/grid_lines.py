@@ -22,7 +22,7 @@ from .grids import curvature_coordinates
 from .grids import plan_coordinates
 from .grids import square_coordinates
 
-__all__ = ["Division", "GridLines", "Widths", "grid_lines"]
+__all__ = ["Division", "GridLines", "Widths", "checked_widths", "grid_lines"]
 
 MAX_SHIFT = 0.15  # largest shift of a grid line onto mesh edges, relative to the width of a face
 FOLLOW_RATIO = 0.1  # remaining cut into faces, relative to the unshifted line, up to which it counts as following edges
@@ -239,11 +239,23 @@ def _positions(division: Division, axis: int, length: float, other: float) -> li
     return [k / number for k in range(1, number)]
 
 
-def _at_widths(widths: Widths, length: float) -> list[float]:
-    """Return the positions of lines at widths [L], of which the last one is repeated; a narrow rest joins the last strip."""
+def checked_widths(widths: Widths) -> list[float]:
+    """Return widths of columns or rows as a list [L].
+
+    Raises
+    ------
+    CGCError
+        If they are not positive lengths.
+    """
     each = [checked_number(width, "a width") for width in (widths if isinstance(widths, Sequence) else [widths])]
     if not each or min(each) <= 0.0:
         raise CGCError(f"the widths of columns and rows must be positive lengths, not {widths!r:.60}")
+    return each
+
+
+def _at_widths(widths: Widths, length: float) -> list[float]:
+    """Return the positions of lines at widths [L], of which the last one is repeated; a narrow rest joins the last strip."""
+    each = checked_widths(widths)
     found: list[float] = []
     at = 0.0
     while len(found) < MAX_LINES:

@@ -36,6 +36,7 @@ from .figures import metres
 from .grid_lines import Division
 from .grid_lines import GridLines
 from .grid_lines import Widths
+from .grid_lines import checked_widths
 from .grid_lines import grid_lines
 from .joints import Joints
 from .joints import curve_joints
@@ -149,9 +150,11 @@ def panels(
         raise CGCError(f"the count of panels per region must be at least 1, not {count!r}")
     problem = problem_of(mesh, "or the result of a solve is built from").without_dummies()
     extent = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
-    for name, given in (("the size of panels", size), ("the width of columns", columns), ("the width of rows", rows)):
+    if size is not None:
+        refuse_other_units("the size of panels", size, extent, problem.drawing.units)
+    for name, given in (("the width of columns", columns), ("the width of rows", rows)):
         if given is not None:
-            refuse_other_units(name, float(np.min(given)), extent, problem.drawing.units)
+            refuse_other_units(name, min(checked_widths(given)), extent, problem.drawing.units)
     if curves is None:
         return grid_panels(problem, Division(size, count, columns, rows, along=along), shortest)
     joints = curve_joints(problem, [curve.points for curve in curves.curves] if isinstance(curves, CurveNet) else curves)
