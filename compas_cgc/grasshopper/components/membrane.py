@@ -17,7 +17,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import polyline_to_rhino
 from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
-from ..runtime.paths import file_path
+from ..runtime.paths import file_to_write
 from ..runtime.progress import Report
 from ..runtime.runner import Finished
 from ..runtime.runner import Last
@@ -47,11 +47,11 @@ def membrane(
     component: Any, cgc_mesh: Any, pressure: Optional[float], weight: Optional[float], path: Optional[str], write: Optional[bool]
 ) -> MembraneOutputs:
     """Compute the forces under pressure and self-weight, and write them if `write` is true."""
+    file = file_to_write(component, path, bool(write) and cgc_mesh is not None)
     if cgc_mesh is None:
         ask_for(component, "a solved CGC mesh")
         _RUNNER.reset(component)
         return MembraneOutputs()
-    file = file_path(component, path) if path and write else None
 
     def work(report: Report, last: Last) -> Finished:
         return _forces(cgc_mesh, pressure, weight, file)

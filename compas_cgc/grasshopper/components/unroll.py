@@ -19,7 +19,7 @@ from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
 from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
-from ..runtime.paths import file_path
+from ..runtime.paths import file_to_write
 from ..runtime.progress import Report
 from ..runtime.runner import Finished
 from ..runtime.runner import Last
@@ -63,12 +63,12 @@ def unroll(
     whole: Optional[bool] = None,
 ) -> UnrollOutputs:
     """Unroll a solved surface on sheets, and write them if `write` is true."""
+    file = file_to_write(component, path, bool(write) and cgc_mesh is not None)
     if cgc_mesh is None:
         ask_for(component, "a solved CGC mesh")
         _RUNNER.reset(component)
         return UnrollOutputs()
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)
-    file = file_path(component, path) if path and write else None
 
     def work(report: Report, last: Last) -> Finished:
         patterns = unroll_surface(

@@ -86,6 +86,10 @@ class Memories(Generic[Memory]):
         """Return the states of all runs of a component."""
         return [entry.memory for entry in self._entries if entry.component == component]
 
+    def earlier(self, component: Any) -> list[Memory]:
+        """Return the states of the runs of a component before this one in the same solution."""
+        return [entry.memory for entry in self._entries if entry.component == component and entry.run < run_of(component)]
+
     def drop(self, component: Any) -> None:
         """Drop the state of this run of a component."""
         entry = self._entry(component)
