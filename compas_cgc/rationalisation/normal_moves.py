@@ -28,7 +28,7 @@ from .panelling import vertex_panels
 __all__ = ["LinearMoves", "NormalMoves", "Sensitivities", "Weights"]
 
 PENALTY = 1e4  # of squared deviations of K, against squared moves, in lengths of the design; multipliers remove what it leaves
-FOLD_LENGTH = 1.0  # in widths of a panel, times the angle of a fold: what counts as much as a distance of that size
+FOLD_LENGTH = 1.2  # in widths of a panel, times the angle of a fold: what counts as much as a distance of that size
 CORRECTIONS = 2  # of the multipliers
 SHORTEST = 0.02  # part of a step of Newton's method
 
@@ -36,7 +36,7 @@ SHORTEST = 0.02  # part of a step of Newton's method
 class Weights(NamedTuple):
     """What moves cost, besides their squares."""
 
-    smoothness: float = 0.05  # length over which bending outweighs distance, as a part of the square root of the area
+    smoothness: float = 2.4  # length over which bending outweighs distance, in edges: on shorter waves meshes do not show K
     crease_stiffness: float = 1.0  # of seams, as in ProjectionSettings
 
 
@@ -95,7 +95,7 @@ class NormalMoves:
         seams = np.zeros(n, bool)
         seams[panelling.seams.ravel()] = True
         bending = bending_matrix(V, F, seams, weights.crease_stiffness)[self.columns][:, self.columns]
-        self._bending = ((weights.smoothness * self.size) ** 4 / areas.sum() * bending).tocsr()
+        self._bending = ((weights.smoothness * self.size / np.sqrt(n)) ** 4 / areas.sum() * bending).tocsr()
         seam_edges, jumps = slope_jumps(V, F, np.flatnonzero(_on_seams(F, panelling.panels)))
         width = FOLD_LENGTH * self.size / np.sqrt(self.panels)
         self._criteria = sparse.vstack([sparse.identity(len(self.columns)), width * jumps[:, self.columns]]).tocsr()

@@ -12,6 +12,7 @@ from compas_cgc.discrete.space_form import space_form_angle_sums
 from compas_cgc.errors import CGCError
 from compas_cgc.rationalisation import Rationalised
 from compas_cgc.rationalisation.design import read_design
+from compas_cgc.rationalisation.normal_moves import FOLD_LENGTH
 from compas_cgc.rationalisation.normal_moves import NormalMoves
 from compas_cgc.rationalisation.panelling import vertex_panels
 from compas_cgc.rationalisation.seams import panels_of
@@ -116,7 +117,7 @@ def test_fold_criteria_are_the_changes_of_the_angles_at_seams():
     moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
     move = 1e-6 * np.random.default_rng(0).normal(size=len(moves.columns))
     folds = folds_at_seams(panelling, moves.shape(move))
-    width = moves.size / np.sqrt(moves.panels)
+    width = FOLD_LENGTH * moves.size / np.sqrt(moves.panels)
     changes = np.abs(moves.criteria(move)[len(move) :]) / width
     clear = folds.design > 0.1
     assert clear.sum() > 50
