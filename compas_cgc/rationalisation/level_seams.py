@@ -18,7 +18,7 @@ from .spline_surface import SplineSurface
 __all__ = ["level_seams"]
 
 GRID = 120  # samples of K along each parameter
-SMOOTHING = 0.02  # of the size: waves of K that are shorter give no regions of their own
+SMOOTHING = 0.05  # of the size: waves of K that are shorter give no regions of their own
 SMALLEST = 0.12  # of the size: level lines that are shorter are left out
 
 
