@@ -36,11 +36,12 @@ class Lanes:
         self._seen: dict[str, float] = {}  # last submission by client
         self._served: dict[str, float] = {}  # last start by client
         self._long: dict[str, float] = {}  # last long call by client
+        self._short: dict[str, float] = {}  # last short call by client, if no long one followed
 
     def submitted(self, task: Task) -> None:
         """Note a new task; calls of a client whose last one was long do not begin on the short lane."""
         now = task.since
-        for memory in (self._seen, self._served, self._long):
+        for memory in (self._seen, self._served, self._long, self._short):
             for client in [client for client, moment in memory.items() if now - moment > MEMORY]:
                 del memory[client]
         self._seen[task.client] = now
@@ -50,14 +51,20 @@ class Lanes:
         """Note how long a call of a client took."""
         if task.urgent and seconds <= SHORT_SECONDS:
             self._long.pop(task.client, None)
+            self._short[task.client] = time.monotonic()
+        elif task.urgent:
+            self._short.pop(task.client, None)
 
     def moved(self, task: Task) -> None:
         """Note that a call turned out to be long."""
         task.long = True
         self._long[task.client] = time.monotonic()
+        self._short.pop(task.client, None)
 
     def pick(self, lane: str, waiting: Sequence[Task], running: Iterable[Task]) -> Optional[Task]:
         """Return the task that a free lane takes: of the client that holds the fewest lanes, and was served the longest ago.
+
+        The short lane prefers clients whose last call was short.
 
         Parameters
         ----------
@@ -75,7 +82,11 @@ class Lanes:
         open_to = [task for task in waiting if self._admits(lane, task) and (lane != ANY or held[task.client] < most)]
         # The first in the queue tells whether it is the turn of urgent tasks.
         turn = [task for task in open_to if task.urgent == open_to[0].urgent]
-        found = min(turn, key=lambda task: (held[task.client], self._served.get(task.client, 0.0)), default=None)
+
+        def order(task: Task) -> tuple[bool, int, float]:
+            return lane == SHORT and task.client not in self._short, held[task.client], self._served.get(task.client, 0.0)
+
+        found = min(turn, key=order, default=None)
         if found is not None:
             self._served[found.client] = time.monotonic()
         return found

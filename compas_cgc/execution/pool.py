@@ -222,6 +222,8 @@ class WorkerPool(Executor):
         """Run a task; return whether the process is still alive."""
         slot.flag.value = 0
         started = time.monotonic()
+        # On a busy machine short tasks take long because they wait for a processor.
+        delayed = slot.delayed()
         moving: Optional[float] = None  # since when the task is asked to leave the short lane
         try:
             slot.line.send(task.prepared())
@@ -241,7 +243,7 @@ class WorkerPool(Executor):
                 _fail(task, TaskStopped(f"it exceeded the memory limit of {task.memory_limit / 2**20:.0f} MB"))
                 slot.end()
                 return False
-            if task.stop_reason is None and moving is None and self._should_move(slot, now - started):
+            if task.stop_reason is None and moving is None and self._should_move(slot, now - started - (slot.delayed() - delayed)):
                 moving = now
                 slot.flag.value = 1
             if moving is not None and task.stop_reason is None and now - moving > self._grace:
@@ -272,7 +274,7 @@ class WorkerPool(Executor):
             if kind == "progress":
                 _tell(task, content)
                 continue
-            self._lanes.ended(task, time.monotonic() - started)
+            self._lanes.ended(task, time.monotonic() - started - (slot.delayed() - delayed))
             if kind == "stopped" and moving is not None and task.stop_reason is None:
                 self._move(task)
                 return True

@@ -57,6 +57,13 @@ class WorkerHandle:
         except (OSError, IndexError, ValueError):
             return 0
 
+    def delayed(self) -> float:
+        """Return the seconds for which the process was ready, but other processes had the processors; 0 where this is not reported."""
+        try:
+            return int(Path(f"/proc/{self.process.pid}/schedstat").read_text().split()[1]) * 1e-9
+        except (OSError, IndexError, ValueError):
+            return 0.0
+
     def exit_message(self) -> str:
         """Return a message on how the process ended."""
         code = self.process.exitcode

@@ -73,6 +73,19 @@ def test_a_client_whose_call_was_long_begins_elsewhere_until_one_is_short():
     assert not third.long and lanes.wants_short_lane([third])
 
 
+def test_the_short_lane_prefers_clients_whose_last_call_was_short():
+    lanes = Lanes(1, 2)
+    lanes.ended(task("k", urgent=True), 0.1)
+    waiting = [task(name, urgent=True) for name in "abk"]
+    lanes.pick(SHORT, [waiting[2]], [])
+    assert lanes.pick(SHORT, waiting, []) is waiting[2], "although it was served last"
+    assert lanes.pick(CALLS, waiting, []) is waiting[0]
+    lanes.ended(waiting[2], 2.0)
+    again = task("k", urgent=True)
+    lanes.submitted(again)
+    assert lanes.pick(SHORT, [again, waiting[1]], []) is waiting[1]
+
+
 @pytest.fixture(scope="module")
 def pool():
     with WorkerPool(1, grace=0.5, reserved=2) as own:
