@@ -42,7 +42,7 @@ from .starts import is_kept
 from .starts import over_its_plate
 from .starts import starts
 
-__all__ = ["Posed", "keeps_shape", "places", "polish", "posed_as_set"]
+__all__ = ["Posed", "keeps_shape", "places", "polish", "posed_as_set", "surfaces"]
 
 MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
 SAME = 1e-6  # distance relative to the size, up to which two surfaces are the same
@@ -153,6 +153,19 @@ def polish(
         verdict=judged(best) if found else None,
         branches=branches,
     )
+
+
+def surfaces(problem: CGCProblem) -> list[FloatArray]:
+    """Return the surfaces (n, 3) over a drawing that :func:`polish` finds, the best first, to go on from by another method.
+
+    For large meshes they are carried over from even triangles. Where none is found, the nearest one is returned.
+    """
+    settings = PolishSettings(keep="plan")
+    found = _on_even_triangles(problem, settings, False, None)
+    if not found:
+        solution = polish(problem, settings=settings)
+        found = [branch.vertices for branch in solution.branches] or [solution.vertices]
+    return found
 
 
 class Posed(NamedTuple):

@@ -16,12 +16,11 @@ from ...linalg import factorise
 from ...model.laws import Shape
 from .lagrangian import Lagrangian
 from .lagrangian import State
+from .patterns import Patterns
 
 __all__ = ["from_surface", "is_kept", "over_its_plate", "plate", "starts"]
 
 SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
-DIRECTIONS = 64  # of saddles that are compared
-ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
 MOST_PLACES = 0.02  # median of the squared curvature of a drawing, against its mean, below which it bends beside its supports alone
 PULLED = 2.0  # slope of a drawing beside its supports, against that elsewhere, above which supports were pulled out of it
 SAID = 0.05  # bending of a drawing, or its volume over the plate, against that of a dome, that says the side
@@ -39,20 +38,16 @@ class _Plate:
         q = lagrangian.size
         self._solver = factorise(_firm(stiffness[:q, :q]), symmetric=True)
 
-    def response(self, own: FloatArray) -> FloatArray:
-        """Return the step (q,) that curvature of its own (m, 6) [1/L] causes."""
+    def load(self, own: FloatArray) -> FloatArray:
+        """Return the forces (q,) of curvature of its own (m, 6) [1/L]."""
         mesh, operators = self.lagrangian.mesh, self.here.operators
         pull = np.einsum("me,mek->mk", 2.0 * OCCURRENCES * own, operators.tensor_slopes)
         whole = np.asarray(np.bincount(mesh.columns.ravel(), pull.ravel(), mesh.unknowns), dtype=np.float64)
-        return self._solver.solve(whole[self.lagrangian.free])
+        return whole[self.lagrangian.free]
 
-    def mismatch(self, step: FloatArray, own: FloatArray) -> FloatArray:
-        """Return what the change of the shape operators (m, 6) by a step lacks of a curvature, weighted for the energy."""
-        mesh, operators = self.lagrangian.mesh, self.here.operators
-        whole = np.zeros(mesh.unknowns)
-        whole[self.lagrangian.free] = step
-        change = np.einsum("mek,mk->me", operators.tensor_slopes, whole[mesh.columns]) / operators.areas[:, None]
-        return np.sqrt(operators.areas[:, None] * OCCURRENCES) * (change - own)
+    def responses(self, loads: FloatArray) -> FloatArray:
+        """Return the steps (k, q) that forces (k, q) cause."""
+        return self._solver.solve(np.ascontiguousarray(loads.T)).T
 
 
 def starts(lagrangian: Lagrangian) -> Iterator[State]:
@@ -67,29 +62,40 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
         if not lagrangian.has_plan:
             return
     own = _Plate(lagrangian)
-    shape = _face_shapes(lagrangian)
+    steady, parts, patterns = _posed(lagrangian, own)
+    for pattern in patterns.found():
+        yield _with_even_angles(lagrangian, own.here, steady + np.einsum("ra,raq->q", pattern, parts))
+
+
+def _posed(lagrangian: Lagrangian, own: _Plate) -> tuple[FloatArray, FloatArray, Patterns]:
+    """Return the step (q,) to the curvature that no region has a choice of, those (r, 3, q) for each choice, and their energies."""
+    mesh, shape = lagrangian.mesh, _face_shapes(lagrangian)
+    region = mesh.pairs[mesh.pair_of[:, 0], 1]
+    labels, region = np.unique(region, return_inverse=True)
     round_, along, across = _tensors(lagrangian)
     flat = FLAT * max(float(np.abs(part).max(initial=0.0)) for part in shape)
-    steady, dome, bent = (round_ * shape.mean[:, None], round_ * shape.round[:, None], shape.saddle[:, None])
-    base, first = (own.response(part) if (np.abs(part) > flat).any() else np.zeros(lagrangian.size) for part in (steady, dome))
-    if not (bent > flat).any():
-        yield _with_even_angles(lagrangian, own.here, base + lagrangian.side * first)
-        if first.any():
-            yield _with_even_angles(lagrangian, own.here, base - lagrangian.side * first)
-        return
-    first, dome = base + first, steady + dome
-    steps = [own.response(bent * along), own.response(bent * across)]
-    base = own.mismatch(first, dome) + own.mismatch(np.zeros(lagrangian.size), -_present(own.here))
-    parts = [own.mismatch(step, bent * saddle) for step, saddle in zip(steps, (along, across))]
-    turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    energies = np.array([float(((base + np.cos(t) * parts[0] + np.sin(t) * parts[1]) ** 2).sum()) for t in turns])
-    if np.ptp(energies) <= ROUND * energies.mean():
-        chosen = [0.0, 0.5 * np.pi]
-    else:
-        lowest = (energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1))
-        chosen = turns[lowest][np.argsort(energies[lowest], kind="stable")].tolist()
-    for t in chosen:
-        yield _with_even_angles(lagrangian, own.here, first + np.cos(t) * steps[0] + np.sin(t) * steps[1])
+    wanted = np.stack([shape.round[:, None] * round_, shape.saddle[:, None] * along, shape.saddle[:, None] * across])
+    steady = shape.mean[:, None] * round_
+    held = [shape.round > flat, shape.saddle > flat]
+    domes, saddles = (np.bincount(region[some], minlength=len(labels)) > 0 for some in held)
+    used = np.column_stack([domes, saddles, saddles])
+    r, kind = np.nonzero(used)
+    count = len(r)
+    curvatures = np.where((region == r[:, None])[..., None], wanted[kind], 0.0)
+    loads = np.array([own.load(one) for one in curvatures]).reshape(count, lagrangian.size)
+    steps = own.responses(loads)
+    weight = np.sqrt(own.here.operators.areas[:, None] * OCCURRENCES)
+    rows = (weight * curvatures).reshape(count, round_.size)
+    base = (weight * (steady - _present(own.here))).ravel()
+    force = own.load(steady)
+    first = own.responses(force[None])[0]
+    gram, slope = np.zeros((len(labels), 3, len(labels), 3)), np.zeros((len(labels), 3))
+    gram[r[:, None], kind[:, None], r, kind] = rows @ rows.T - 0.5 * loads @ steps.T
+    slope[r, kind] = rows @ base - 0.5 * steps @ force
+    parts = np.zeros((len(labels), 3, lagrangian.size))
+    parts[r, kind] = steps
+    constant = float(base @ base - 0.5 * force @ first)
+    return first, parts, Patterns(gram, slope, constant, domes, saddles, lagrangian.side)
 
 
 def _with_even_angles(lagrangian: Lagrangian, here: State, step: FloatArray) -> State:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from collections.abc import Iterator
+from itertools import chain
+from itertools import islice
 from typing import Optional
 
 import numpy as np
@@ -18,7 +20,6 @@ from .gauss_newton import descend
 from .iterate import Point
 from .measure import shows_layout
 from .measure import smoothed
-from .sequential import MOST
 from .sequential import NEAR
 from .sequential import Reached
 from .sequential import approach
@@ -43,9 +44,9 @@ def goal_ways(system: System, equations: CurvatureEquations, start: Point, setti
     guess = equations.guessed() if isinstance(equations, FoundCurvature) else equations
     alone = system.without_goals()
     drawing = alone.at(start.vertices, guess)
-    tried = [drawing] if warm else starts(alone, guess, drawing, settings).all[:TRIED]
-    if warm or system.keep == "shape":
-        tried += [one for one in starts(alone, guess, drawing, settings).all[:TRIED] if warm and settings.retry]
+    tried = islice(starts(alone, guess, drawing), TRIED)
+    if warm:
+        tried = chain([drawing], tried if settings.retry else ())
     for first in tried:
         reached = yield from _sought(system, equations, first)
         if reached is not None:
@@ -66,7 +67,7 @@ def goal_ways(system: System, equations: CurvatureEquations, start: Point, setti
 def _sought(system: System, equations: CurvatureEquations, first: Point) -> Generator[Taken, None, Optional[Reached]]:
     """Return a shape near to the equations and the goals, None where there is no way to one."""
     here = system.at(system.settled(first.vertices), equations)
-    reached = yield from approach(system, equations, here, MOST)
+    reached = yield from approach(system, equations, here)
     own = reached.system or system
     here = reached.point
     if own.missing(here, equations) > NEAR:

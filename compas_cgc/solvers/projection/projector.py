@@ -30,7 +30,7 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from .coarse_to_fine import MANY
-from .coarse_to_fine import on_coarse
+from .coarse_to_fine import kept_on_coarse
 from .coarse_to_fine import ways_from_coarse
 from .drawing import as_meant
 from .energy import energy_meter
@@ -112,8 +112,7 @@ class Projector:
         self._local = as_meant(drawn)
         own = mirrors_and_own(self._local) if symmetric else []
         # A sheet that supports carry along leans, and moves aside: edges stay over the lines of the drawing itself.
-        self._coarse = on_coarse(self._local, self.settings)
-        kept = None if self._coarse is None else self._coarse.kept
+        kept = kept_on_coarse(self._local, self.settings)
         self._system = System(self._local, self.settings, bind(drawn, problem.goals), own=own, kept=kept)
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
@@ -173,8 +172,7 @@ class Projector:
         elif warm:
             steps = ways(system, equations, drawn, settings, True)
         else:
-            coarse = self._coarse.coarse if self._coarse is not None and local is self._local else None
-            steps = ways_from_coarse(local, system, equations, drawn, settings, coarse)
+            steps = ways_from_coarse(local, system, equations, drawn, settings)
         for taken in until_spent(steps) if status == "stalled" else ():
             mesh = taken.system or system
             here = mesh.at(taken.vertices, taken.equations or asked)

@@ -64,17 +64,9 @@ class ProjectionSettings(Settings):
         low=0,
         high=1,
     )
-    seed_height: float = option(
-        0.15,
-        "Maximum height of the initial guess over a flat input, relative to the diameter of the mesh. Small moves of a flat mesh do "
-        "not change K, so the solve starts from a low dome or saddle. The maximum applies to open boundaries, where flat and steep "
-        "surfaces can have the same K. Zero: no such initial guess.",
-        float,
-        low=0,
-    )
     retry: bool = option(
         True,
-        "Use continuation from smaller targets if the direct solve is long. If it stalls, retry with other initial guesses, less "
-        "and more smoothness, and finally targets in stages from the curvature of the initial surface.",
+        "If the solve stalls, retry with other initial guesses, less and more smoothness, and finally targets in stages from the "
+        "curvature of the initial surface.",
         bool,
     )

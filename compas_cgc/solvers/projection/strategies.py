@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator
 from collections.abc import Iterator
-from typing import NamedTuple
+from itertools import chain
 from typing import Optional
 
 import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
-from ...discrete.local_fits import local_fits
 from ...discrete.space_form import EXACT
-from ...model.branch_points import branch_points
 from ...model.verdict import verdict
 from .across import Across
 from .across import can_be_closed_across
@@ -32,7 +29,6 @@ from .measure import shows_layout
 from .measure import smoothed
 from .messages import enclosed_negative
 from .saddles import descend_over_saddles
-from .sequential import MOST
 from .sequential import NEAR
 from .sequential import Reached
 from .sequential import approach
@@ -41,7 +37,6 @@ from .settings import ProjectionSettings
 from .smooth_shape import DRAWN
 from .smooth_shape import LOOSE
 from .smooth_shape import smooth_shape
-from .starts import Starts
 from .starts import is_flat
 from .starts import starts
 from .system import System
@@ -52,71 +47,58 @@ __all__ = ["ways", "ways_on"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
-LONG = 20  # steps after which smaller targets are tried first
-FIRST, GROWTH, LEAST = 0.3, 0.25, 0.01  # part of the targets to begin with, for that, and by how much it grows, at first and at least
-GROWING, EASY = 15, 8  # most steps for each, and of one that leads on along the same branch
-DEAR = 1.05  # energy, against another, up to which a shape that was reached from smaller targets is preferred
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 ENOUGH, MANY = 30, 6000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
 ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
 EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is a result already
 MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
 PATIENT, HELD = 4, 8  # steps for each weight of K on the way to a smooth shape, and where K < 0 is held all round
-SOON, HOPELESS = 8, 2.0  # steps after which a search is given up that has so many times the energy of what was found
-CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
 
-
-class _Found(NamedTuple):
-    reached: Reached
-    steps: int  # that it took, or another that it was compared with
-
-
-_Search = Generator[Taken, None, Optional[_Found]]
+_Search = Generator[Taken, None, Optional[Reached]]
 
 
 def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings, warm: bool) -> Iterator[Taken]:
-    """Take steps to the fairest shape and, should that stall, in other ways from the start again.
+    """Take steps to the fairest shape near the first start from which there is a way, else in other ways from the first.
 
-    A warm start is gone on from; others are compared with starts of our own. The smooth measure is turned to once
-    the surface is fair by angle defects: only then do fits tell the layout of the mesh from wrinkles.
+    A warm start comes before others. The smooth measure is turned to once the surface is fair: only then do fits tell the
+    layout of the mesh from wrinkles.
     """
     if not warm and settings.keep == AUTO and _says_which_developable(system, equations, start):
         system = system.keeping("shape")
-    warmed = Starts([system.at(system.settled(start.vertices), equations)], []) if warm else None
-    tried = warmed or starts(system, equations, start, settings)
+    tried = starts(system, equations, start)
+    if warm:
+        again = tried if settings.retry else ()
+        tried = chain([system.at(system.settled(start.vertices), equations)], again)
     smooth_first = not warm and settings.retry and settings.measure in (AUTO, "smooth")
+    first = next(tried)
     if enclosed_negative(system, equations.targets):
-        yield from _held_all_round(system, equations, start, tried.rivals[0], settings, smooth_first)
+        yield from _held_all_round(system, equations, start, first, settings, smooth_first)
         return
-    if smooth_first and _loses_itself(system, equations, start):
-        yield from _smooth_first(system, equations, start.vertices, settings)
-    if not warm and system.missing(tried.rivals[0], equations) <= EXACTLY:
+    if smooth_first and _loses_itself(system, equations, first):
+        yield from _smooth_first(system, equations, first.vertices, settings)
+    if not warm and system.missing(first, equations) <= EXACTLY:
         # Kept in reserve: where K is asked for twice over the fairest may be out of reach.
-        yield Taken(tried.rivals[0].vertices, 0.0, 1, settled=False)
+        yield Taken(first.vertices, 0.0, 1, settled=False)
+    found = None
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
-        found = yield from _closing(system, equations, tried.rivals[0])
+        found = yield from _closing(system, equations, first)
     else:
-        found = yield from _fairest(system, equations, tried.rivals)
-    again = settings.retry and not warm and system.keep != "shape"
-    if again and (found is None or found.steps > LONG or _has_branch_points(system, equations, found)):
-        # With K̄ > 0 a little energy counts less than that the surface goes with the targets, without a jump to another branch.
-        dear = DEAR if _is_elliptic(system, equations) else 1.0
-        found = yield from _better(found, _grown(system, equations, start, settings), system, equations, dear)
+        for point in chain([first], tried):
+            found = yield from _approached(system, equations, point)
+            if found is not None:
+                break
     if found is None and settings.retry:
-        others = starts(system, equations, start, settings).all if warm else tried.all if system.keep == "shape" else tried.others
-        found = yield from _fairest(system, equations, others)
-    if found is None and settings.retry:
-        found = yield from _nearest(system, equations, tried.rivals[0])
+        found = yield from _nearest(system, equations, first)
         system = system.keeping("shape")
     if found is None:
         return
-    near = found.reached.point.vertices
+    near = found.point.vertices
     if system.keep == "shape" and settings.measure in EXACT and may_slide(system, equations, settings.measure, near):
         # By angle defects the nearest surface would come to rest in waves, which are then taken out again.
         yield from exactly(system, equations, settings.measure, near)
         return
-    reached = yield from refine(system, equations, found.reached, ALMOST if rests(system, equations) else max(SETTLED, settings.tolerance))
+    reached = yield from refine(system, equations, found, ALMOST if rests(system, equations) else max(SETTLED, settings.tolerance))
     rested = brought_to_rest(system, equations, reached)
     if rested is not None:
         reached = rested
@@ -188,11 +170,11 @@ def _closed_across(system: System, equations: CurvatureEquations, near: Point) -
     return here
 
 
-def _loses_itself(system: System, equations: CurvatureEquations, drawn: Point) -> bool:
-    """Return whether angle defects would crumple a drawn shape on its way: where K̄ <= 0, an irregular mesh is told to wrinkle."""
-    if system.keep != "shape" or not _is_told_by_fits(system, equations) or not (equations.targets[system.rows] <= 0.0).any():
+def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -> bool:
+    """Return whether angle defects would crumple a start on its way: where K̄ <= 0, an irregular mesh is told to wrinkle."""
+    if not _is_told_by_fits(system, equations) or not (equations.targets[system.rows] <= 0.0).any():
         return False
-    return shows_layout(system, equations, drawn.vertices)
+    return shows_layout(system, equations, first.vertices)
 
 
 def _is_told_by_fits(system: System, equations: CurvatureEquations) -> bool:
@@ -217,91 +199,12 @@ def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Gener
     return reached.point
 
 
-def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) -> _Search:
-    """Approach the equations from several starts; return the one that ends with the least energy, if any."""
-    best: Optional[_Found] = None
-    for point in tried:
-        most = math.inf if best is None else HOPELESS * system.fairness.energy(best.reached.point.vertices)[0]
-        best = yield from _better(best, _approached(system, equations, point, dearest=most), system, equations)
-    return best
-
-
-def _better(found: Optional[_Found], search: _Search, system: System, equations: CurvatureEquations, dear: float = 1.0) -> _Search:
-    """Search on; return what that comes to where it has clearly less energy than what was found, or up to so many times it, or nothing was.
-
-    Two sides that a surface may bulge to are often as good as each other: the one that is tried first is the one meant.
-    """
-    other = yield from search
-    if found is None or other is None:
-        return found or other
-    had, has = (system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other))
-    apart = max(had, has) > CLEARLY * min(had, has)
-    chosen = other if apart and has <= dear * had else found
-    if apart and not _is_elliptic(system, equations):
-        # Three valleys that meet may bend less than a saddle, but K is 0 where they do.
-        whole = [one for one in (chosen, other if chosen is found else found) if not _has_branch_points(system, equations, one)]
-        chosen = next(iter(whole), chosen)
-    # With K̄ > 0 what leads to two branches counts as a long way.
-    return chosen._replace(steps=max(found.steps, other.steps)) if apart and _is_elliptic(system, equations) else chosen
-
-
-def _has_branch_points(system: System, equations: CurvatureEquations, found: _Found) -> bool:
-    """Return whether three valleys or more meet somewhere on a saddle, where its supports do not ask for that."""
-    if not (equations.targets[system.rows] < 0.0).all():
-        return False
-    problem = system.problem_at(found.reached.point.vertices, equations.targets).without_dummies()
-    fits = local_fits(problem.vertices, problem.faces, problem.asked, problem.asked, layout=False)
-    return bool(len(branch_points(problem, fits)))
-
-
-def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST, dearest: float = math.inf) -> _Search:
-    """Approach the equations from a start, and close in on them should that not get near; give up what soon has more than some energy."""
-    steps, search = 0, approach(system, equations, point, most)
-    while True:
-        try:
-            taken = next(search)
-        except StopIteration as end:
-            reached = end.value
-            break
-        steps += 1
-        yield taken
-        if steps >= SOON and dearest < math.inf and system.fairness.energy(taken.vertices)[0] > dearest:
-            return None
+def _approached(system: System, equations: CurvatureEquations, point: Point) -> _Search:
+    """Approach the equations from a start, and close in on them should that not get near; return where that leads, if it does."""
+    reached = yield from approach(system, equations, point)
     if NEAR < system.missing(reached.point, equations) <= CLOSE:
         reached = yield from _closed(system, equations, reached)
-    return _Found(reached, steps) if system.missing(reached.point, equations) <= NEAR else None
-
-
-def _is_elliptic(system: System, equations: CurvatureEquations) -> bool:
-    """Return whether all targets are positive."""
-    return bool((equations.targets[system.rows] > 0.0).all())
-
-
-def _grown(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings) -> _Search:
-    """Approach smaller targets first, and let them grow to those asked for, each from the shape for the last.
-
-    With K̄ > 0 they grow by less where it takes more than a few steps, and the shape comes to rest in between: so it stays on one branch.
-    """
-    if not equations.targets[system.rows].any():
-        return None
-    elliptic = _is_elliptic(system, equations)
-    part = system.equations(FIRST * equations.targets)
-    found = yield from _approached(system, part, starts(system, part, start, settings).rivals[0], GROWING)
-    share, growth = FIRST, GROWTH
-    while found is not None and share < 1.0:
-        if elliptic:
-            rested = yield from refine(system, part, found.reached)
-            found = found._replace(reached=rested)
-        last = found
-        part = system.equations(min(1.0, share + growth) * equations.targets)
-        found = yield from _approached(system, part, system.at(last.reached.point.vertices, part), GROWING)
-        if elliptic and (found is None or found.steps > EASY):
-            found, growth = last, 0.5 * growth
-            if growth < LEAST:
-                return None
-        else:
-            share += growth
-    return found
+    return reached if system.missing(reached.point, equations) <= NEAR else None
 
 
 def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> Generator[Taken, None, Reached]:
@@ -318,7 +221,7 @@ def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> 
 def _closing(system: System, equations: CurvatureEquations, start: Point) -> _Search:
     """Take least-norm steps from a start; return what they come to where that is near."""
     reached = yield from _closed(system, equations, Reached(start, np.zeros(len(system.leading))))
-    return _Found(reached, 0) if system.missing(reached.point, equations) <= NEAR else None
+    return reached if system.missing(reached.point, equations) <= NEAR else None
 
 
 def _nearest(system: System, equations: CurvatureEquations, start: Point) -> _Search:
@@ -331,4 +234,4 @@ def _nearest(system: System, equations: CurvatureEquations, start: Point) -> _Se
     for taken in in_stages(system.keeping("shape", SMOOTHER[-1]), equations.targets, start.vertices):
         here = system.at(taken.vertices, equations)
         yield taken._replace(settled=False)
-    return _Found(Reached(here, nothing), 0) if system.missing(here, equations) <= NEAR else None
+    return Reached(here, nothing) if system.missing(here, equations) <= NEAR else None

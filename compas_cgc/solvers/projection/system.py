@@ -34,8 +34,8 @@ from ...model.problem import CGCProblem
 from .bordered import Bordered
 from .contact import Contact
 from .fairness import Fairness
+from .flatness import flat_share
 from .found_curvature import FoundCurvature
-from .initial_guess import flat_share
 from .iterate import TINY
 from .iterate import Point
 from .least_norm import LeastNorm
@@ -148,7 +148,6 @@ class System:
 
         self._equations, across = curvature_equations(F), read_across(problem)
         self._across = self._equations if across is F else curvature_equations(across)
-        self.modes: dict[bytes, list[FloatArray]] = {}  # that were looked for, see bending_modes
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         # Rounding of a sum of angles [rad], and of goals (k + g,).
         self.floor: FloatArray = np.append(EPS * (8.0 + 2.0 * valence.astype(np.float64)), np.full(len(self.goals.equations), MET))
@@ -190,7 +189,7 @@ class System:
     def keeping(self, keep: str, smoother: float = 1.0) -> System:
         """Return the same system for another setting of what is kept of the drawing, with so many times the smoothness."""
         system = copy.copy(self)
-        system.keep, system.fairness, system.modes = keep, self._fairness(keep, self.places.start, smoother), {}
+        system.keep, system.fairness = keep, self._fairness(keep, self.places.start, smoother)
         return system
 
     @property

@@ -1,0 +1,123 @@
+"""Which way each region bends: domes to either side, and saddles turned to where the energy of the plate is least."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import Mask
+
+__all__ = ["Patterns"]
+
+DIRECTIONS = 64  # of saddles that are compared
+ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
+MODES = 4  # patterns of least energy for curvature of any size, from which others are found
+SWEEPS = 30  # most rounds over the regions
+MOST = 4  # patterns that are tried where regions bend in ways of their own
+DEAREST = 1.5  # energy of a pattern that is tried, against the least
+ALIKE = 1e-9  # difference of energies, against the least, of mirror images
+
+
+class Patterns:
+    r"""Energies of a plate whose regions want to bend by themselves.
+
+    .. math:: E(x) = x^T G x + 2 g^T x + c, \qquad x_r = (\pm 1, \cos t_r, \sin t_r),
+
+    with the side of the dome of region r and twice the angle by which its saddle is turned.
+
+    Parameters
+    ----------
+    gram
+        ``(r, 3, r, 3)`` G.
+    slope
+        ``(r, 3)`` g.
+    constant
+        c.
+    domes, saddles
+        ``(r,)`` regions that want to bend to a dome, and to a saddle.
+    side
+        To which domes go where nothing else says it, 1 or -1.
+    """
+
+    def __init__(self, gram: FloatArray, slope: FloatArray, constant: float, domes: Mask, saddles: Mask, side: float):
+        self._gram, self._slope, self._constant = gram, slope, constant
+        self._domes, self._saddles, self._side = domes, saddles, side
+        turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+        self._circle = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
+
+    def energy(self, x: FloatArray) -> float:
+        """Return the energy of a pattern (r, 3)."""
+        return float(np.einsum("ra,rasb,sb->", x, self._gram, x) + 2.0 * np.einsum("ra,ra->", self._slope, x)) + self._constant
+
+    def found(self) -> list[FloatArray]:
+        """Return patterns (r, 3), the likeliest first.
+
+        Without saddles all domes go to one side, and then to the other. Regions with saddles between creases bend each in its own way.
+        """
+        if not self._saddles.any():
+            domes = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
+            return [domes, -domes] if domes.any() else [domes]
+        uniform = self._uniform()
+        if len(self._domes) == 1:
+            return uniform
+        own = [self._descended(x) for x in [*uniform, *self._modes()]]
+        return self._best([self._descended(x, False) for x in uniform] + own)
+
+    def _uniform(self) -> list[FloatArray]:
+        """Return the patterns whose domes go to one side and whose saddles are turned alike, of locally least energy."""
+        base = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
+        tried = [base + self._saddles[:, None] * one for one in self._circle]
+        energies = np.array([self.energy(x) for x in tried])
+        if np.ptp(energies) <= ROUND * energies.mean():
+            return [tried[0], tried[DIRECTIONS // 4]]
+        lowest = np.flatnonzero((energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1)))
+        return [tried[k] for k in lowest[np.argsort(energies[lowest], kind="stable")]]
+
+    def _modes(self) -> list[FloatArray]:
+        """Return the patterns with the signs and the directions of the modes of least energy, relative to their curvature."""
+        count = 3 * len(self._domes)
+        G = self._gram.reshape(count, count)
+        used = np.flatnonzero(np.column_stack([self._domes, self._saddles, self._saddles]).ravel())
+        scale = np.sqrt(np.diag(G)[used])
+        vectors = np.linalg.eigh(G[np.ix_(used, used)] / np.outer(scale, scale))[1][:, :MODES]
+        found = []
+        for mode in vectors.T:
+            x = np.zeros(count)
+            x[used] = mode
+            dome, saddle = x.reshape(-1, 3)[:, 0], x.reshape(-1, 3)[:, 1:]
+            side = self._side * (1.0 if dome.sum() * self._side >= 0.0 else -1.0)
+            length = np.linalg.norm(saddle, axis=1)
+            saddle = np.where(length[:, None] > 0.0, saddle, [1.0, 0.0]) / np.where(length > 0.0, length, 1.0)[:, None]
+            signs = np.where(dome >= 0.0, 1.0, -1.0) * self._domes
+            found.append(side * self._side * np.column_stack([signs, self._saddles[:, None] * saddle]))
+        return found
+
+    def _descended(self, x: FloatArray, flips: bool = True) -> FloatArray:
+        """Return the pattern where no region alone has less energy bent in another way; domes keep their sides unless they flip."""
+        x = x.copy()
+        for _ in range(SWEEPS):
+            changed = False
+            for r in range(len(x)):
+                own = self._gram[r, :, r]
+                pull = np.einsum("asb,sb->a", self._gram[r], x) - own @ x[r] + self._slope[r]
+                sides = ([1.0, -1.0] if flips else [x[r, 0]]) if self._domes[r] else [0.0]
+                ways = [self._circle if self._saddles[r] else 0.0 * self._circle[:1]] * len(sides)
+                options = np.vstack([way + np.array([side, 0.0, 0.0]) for side, way in zip(sides, ways)])
+                energies = np.einsum("oa,ab,ob->o", options, own, options) + 2.0 * options @ pull
+                before = float(x[r] @ own @ x[r] + 2.0 * x[r] @ pull)
+                best = int(np.argmin(energies))
+                if energies[best] < before - ALIKE * abs(before):
+                    x[r], changed = options[best], True
+            if not changed:
+                break
+        return x
+
+    def _best(self, tried: list[FloatArray]) -> list[FloatArray]:
+        """Return different patterns by increasing energy."""
+        order = sorted(tried, key=self.energy)
+        least = self.energy(order[0])
+        found: list[FloatArray] = []
+        for x in order:
+            if self.energy(x) <= DEAREST * least and not any(np.allclose(x, other) for other in found):
+                found.append(x)
+        return found[:MOST]
