@@ -42,6 +42,7 @@ FINE_DEGREE, FINE_RINGS = 4, 3  # degree and rings of the second fits, used wher
 FIT_ERROR_FACTOR = 0.6  # relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)^2
 MAX_FIT_SQUARE = 0.25  # upper bound of that square: fits over a larger part of the sphere get no further allowance
 TARGET_FLOOR = 0.1  # smallest reference for relative errors, relative to the largest target
+FLAT_SHEET = 1e-3  # curvature relative to the largest target, below which a sheet is flat and has no side
 MAX_WAVINESS_75, MAX_WAVINESS_95 = 0.2, 0.4  # residual of the fits over their sagitta on a fair surface: 75th and 95th percentiles
 SAGITTA_FLOOR = 0.3  # smallest reference for residuals, relative to the median sagitta
 RADIUS_FLOOR = 0.01  # the same relative to the radius of the fit: smaller waves are invisible
@@ -328,7 +329,8 @@ def _waves(fits: LocalFits) -> FloatArray:
 def _bulging_otherwise(problem: CGCProblem, fits: LocalFits) -> Mask:
     """Return the vertices with K > 0 that bulge to the other side than most of their region (n,)."""
     region = vertex_labels(len(problem.vertices), problem.faces, problem.regions())
-    known = np.isfinite(fits.mean) & problem.asked & (problem.targets > 0) & (region >= 0)
+    least = FLAT_SHEET * float(np.abs(problem.targets[problem.asked]).max(initial=0.0))
+    known = np.isfinite(fits.mean) & problem.asked & (problem.targets > least) & (region >= 0)
     side = np.sign(fits.mean[known])
     most = np.bincount(region[known], weights=side, minlength=region.max(initial=0) + 1)
     other = np.zeros(len(known), bool)

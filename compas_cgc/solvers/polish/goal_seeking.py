@@ -31,7 +31,7 @@ from .settings import PolishSettings
 __all__ = ["finds_curvature", "seek"]
 
 MOST, FIRST = 30, 8  # steps in K, and halvings of the K drawn until a first surface is found
-MET = 1e-9  # of a goal, against the power of the size that it has
+NEAR = 1e-6  # of a goal, against the power of the size that it has, from which a move to first order leads to rounding
 LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of log |K| in a step
 DECREASE = 1e-2  # part of the expected decrease that a step must bring
 FLAT = 1e-12  # derivatives of the goals by log |K|, relative to the size, up to which the goals do not depend on K
@@ -105,7 +105,8 @@ class _Seeker:
         if here.solution.status != "converged":
             return self._ended(here, here.solution.status, here.solution.message)
         for _ in range(MOST):
-            if np.abs(here.missing).max() <= MET:
+            if np.abs(here.missing).max() <= NEAR:
+                here = self._landed(here)
                 return self._ended(here, "converged", f"{self._found(here)}, to meet {self._names()}; {here.solution.message}")
             after = self._stepped(here)
             if after is None:
@@ -138,15 +139,28 @@ class _Seeker:
             here = self._at(logs, None)
         return here
 
-    def _stepped(self, here: _Here) -> Optional[_Here]:
-        """Return the surface after the first of ever shorter steps that comes nearer to the goals; None without any."""
+    def _change(self, here: _Here) -> tuple[FloatArray, list[FloatArray]]:
+        """Return the change of log |K| (k,) of Newton's method, zero where the goals do not depend on K, and the moves (n, 3) by each."""
         posed, V = self._posed(here.logs), here.solution.vertices
         moves = moves_by_curvature(posed, self.settings, V, dict(enumerate(self.regions)))
         by_log = [moves[k] * posed.targets[group[0]] for k, group in enumerate(self.regions)]
         J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
-        if np.abs(J).max() <= FLAT:
+        change = -np.linalg.pinv(J) @ here.missing if np.abs(J).max() > FLAT else np.zeros(len(by_log))
+        return change, by_log
+
+    def _landed(self, here: _Here) -> _Here:
+        """Return the surface that meets the goals to rounding; it is nearer than what is left of waves where energy hardly changes."""
+        change, by_log = self._change(here)
+        vertices = here.solution.vertices + sum(part * move for part, move in zip(change, by_log))
+        branches = tuple(one._replace(vertices=vertices) for one in here.solution.branches)  # the one that was followed
+        return _Here(here.logs + change, here.solution._replace(vertices=vertices, branches=branches), self._missing(vertices))
+
+    def _stepped(self, here: _Here) -> Optional[_Here]:
+        """Return the surface after the first of ever shorter steps that comes nearer to the goals; None without any."""
+        change, by_log = self._change(here)
+        if not change.any():
             return None
-        change = -np.linalg.pinv(J) @ here.missing
+        V = here.solution.vertices
         change *= min(1.0, LONGEST / float(np.abs(change).max()))
         while np.abs(change).max() >= SHORTEST * min(1.0, here.distance):
             start = V + sum(part * move for part, move in zip(change, by_log))

@@ -29,6 +29,7 @@ from ...model.result import SolveState
 from ...model.roles import DUMMY
 from ...model.verdict import Verdict
 from ...model.verdict import verdict
+from ..coarse import Coarse
 from ..coarse import laid_out_anew
 from .lagrangian import Lagrangian
 from .lagrangian import State
@@ -158,14 +159,12 @@ def polish(
 def surfaces(problem: CGCProblem) -> list[FloatArray]:
     """Return the surfaces (n, 3) over a drawing that :func:`polish` finds, the best first, to go on from by another method.
 
-    For large meshes they are carried over from even triangles. Where none is found, the nearest one is returned.
+    For large meshes they are those on even triangles, carried over. Where none is found, the nearest one is returned.
     """
-    settings = PolishSettings(keep="plan")
-    found = _on_even_triangles(problem, settings, False, None)
-    if not found:
-        solution = polish(problem, settings=settings)
-        found = [branch.vertices for branch in solution.branches] or [solution.vertices]
-    return found
+    coarse = _even_triangles(problem)
+    solution = polish(problem if coarse is None else coarse.problem, settings=PolishSettings(keep="plan"))
+    found = [branch.vertices for branch in solution.branches] or [solution.vertices]
+    return found if coarse is None else [coarse.carried(vertices, anew=True) for vertices in found]
 
 
 class Posed(NamedTuple):
@@ -202,11 +201,16 @@ def keeps_shape(problem: CGCProblem) -> bool:
     return is_kept(posed(local, PolishSettings().fold_length))
 
 
+def _even_triangles(problem: CGCProblem) -> Optional[Coarse]:
+    """Return a large problem on fewer and even triangles, None for a small one or where there are none."""
+    if len(problem.vertices) <= MANY or (problem.roles == DUMMY).any():
+        return None
+    return laid_out_anew(problem, COARSE)
+
+
 def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool, callback: Callback) -> list[FloatArray]:
     """Return the surfaces (n, 3) found on fewer and even triangles over the same drawing, carried over; none for a small mesh."""
-    if len(problem.vertices) <= MANY or (problem.roles == DUMMY).any():
-        return []
-    coarse = laid_out_anew(problem, COARSE)
+    coarse = _even_triangles(problem)
     if coarse is None:
         return []
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice
 from typing import Optional
 
 import numpy as np
@@ -14,6 +16,7 @@ from ...discrete.space_form import EXACT
 from ...discrete.space_form import exact_equations
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
+from ..coarse import Coarse
 from ..coarse import coarsened
 from .closing import Closing
 from .exact import closing_equations
@@ -27,7 +30,6 @@ from .measure import renewed
 from .measure import shows_layout
 from .settings import AUTO
 from .settings import ProjectionSettings
-from .starts import bent
 from .strategies import ways
 from .strategies import ways_on
 from .system import KeptDrawing
@@ -43,16 +45,17 @@ SHORT = 1.0  # part of a step across the surface below which that way does not l
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
 LEVEL = 1e-24  # squared distances from a plane, against those along it, that are none
 MEMORY = 3  # steps in which residuals may grow, of a large mesh: where K < 0 the last sway before they converge
+MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 ALMOST = 1e-5  # residual, against the curvature asked for, of a shape that has not strayed
 
 
 def ways_from_coarse(
     problem: CGCProblem, system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings
 ) -> Iterator[Taken]:
-    """Take steps from the surfaces that bend least on even triangles, where a mesh is large, and in other ways where there are none.
+    """Take steps from the fairest shape on a coarser mesh of the same drawing, where it is large, and in other ways where there is none.
 
-    The shape is carried over by local polynomials, and the nearest one that fulfils the equations is found by moves across it,
-    with the one or two matrices that this takes factorised.
+    What is fair is settled on the coarser mesh. The shape is carried over by local polynomials, and the nearest one that
+    fulfils the equations is found by moves across it, with the one or two matrices that this takes factorised.
 
     Parameters
     ----------
@@ -63,19 +66,22 @@ def ways_from_coarse(
     settings
         Parameters.
     """
-    if system.keep != "shape" and len(system.columns) >= MANY:
+    coarse = _coarsened(problem) if system.keep != "shape" and len(system.columns) >= MANY else None
+    if coarse is not None:
         asked = exact_equations(equations, settings.measure)
-        for vertices in bent(system, equations, problem.vertices):
-            here = system.at(system.settled(vertices), equations)
-            yield Taken(here.vertices, 1.0, 1, False)
-            for last in _from(system, equations, here, settings):
-                yield last
-                here = system.at(last.vertices, last.equations or asked)
-            if _is_met(system, equations, here, settings):
-                return
-        if len(system.columns) >= LARGE:
-            # What does not end on a coarser mesh would take its time not to end on this one.
+        found = _solved(
+            coarse.problem, replace(settings, keep=system.keep, measure="defect" if settings.measure in EXACT else settings.measure)
+        )
+        here = system.at(system.settled(coarse.carried(found, anew=True)), equations)
+        yield Taken(here.vertices, 1.0, 1, False)
+        for last in _from(system, equations, here, settings):
+            yield last
+            here = system.at(last.vertices, last.equations or asked)
+        if _is_met(system, equations, here, settings):
             return
+    if len(system.columns) >= LARGE and system.keep != "shape":
+        # What does not end on a coarser mesh would take its time not to end on this one.
+        return
     yield from ways(system, equations, start, settings, False)
 
 
@@ -93,11 +99,15 @@ def kept_on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optiona
     """
     if len(problem.vertices) < LARGE or _is_flat(problem.vertices):
         return None
-    coarse = coarsened(problem, max(COARSE, len(problem.vertices) // PART))
+    coarse = _coarsened(problem)
     if coarse is None:
         return None
     keep, rest = System(coarse.problem, settings).kept
     return KeptDrawing(keep, problem.vertices if keep == "shape" else coarse.carried(rest, anew=True))
+
+
+def _coarsened(problem: CGCProblem) -> Optional[Coarse]:
+    return coarsened(problem, max(COARSE, len(problem.vertices) // PART))
 
 
 def _is_flat(vertices: FloatArray) -> bool:
@@ -170,3 +180,16 @@ def _descended(system: System, equations: CurvatureEquations, here: Point, memor
         yield from descend(system, equations, here, patience=FINISH, memory=memory)
     except SingularMatrixError:
         return
+
+
+def _solved(problem: CGCProblem, settings: ProjectionSettings) -> FloatArray:
+    """Return the fairest shape (n, 3) of a problem, or the best on the way to it."""
+    system = System(problem, settings)
+    equations = system.equations(problem.targets)
+    best = start = system.at(problem.vertices, equations)
+    for taken in islice(ways(system, equations, start, settings, False), settings.steps):
+        here = system.at(taken.vertices, taken.equations or equations)
+        best = min(best, here, key=lambda point: point.badness)
+        if taken.settled and here.fulfils(MET * problem.target_scale, system.floor):
+            break
+    return best.vertices

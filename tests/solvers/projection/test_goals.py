@@ -140,7 +140,7 @@ def test_a_gate_stays_clear(raised):
     x, y, z = solution.vertices.T
     over = (x >= GATE[0]) & (x <= GATE[2]) & (y >= GATE[1]) & (y <= GATE[3])
     assert over.sum() > 12 and z[over].min() >= height - 1e-9
-    assert solution.iterations <= 3 * plain.iterations
+    assert solution.iterations <= 21
     assert verdict(replace(problem, vertices=solution.vertices), problem.vertices).fair
 
 
