@@ -31,7 +31,6 @@ class Choice(NamedTuple):
     method: str
     reason: str
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    from_dome: bool = False  # whether the search begins at the dome without folds
 
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
@@ -45,8 +44,8 @@ FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
 SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 1.5 beside straight fixed edges, others of order 1
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
-FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", SMOOTH, from_dome=True)
-PLAIN_FOLDED_RIM = Choice("projection", "the whole rim is fixed, and regions are too narrow for the smooth measure", from_dome=True)
+FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", SMOOTH)
+PLAIN_FOLDED_RIM = Choice("projection", "the whole rim is fixed, and regions are too narrow for the smooth measure")
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -22,7 +21,6 @@ from ..model.verdict import verdict
 from .allowance import Allowance
 from .choices import Choice
 from .choices import choose
-from .domed import solved_from_dome
 from .drawn_side import is_drawn_below
 from .half_sphere import with_half_a_sphere
 from .method import Method
@@ -80,18 +78,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
-    held = any(is_held_all_round(problem, folded) for folded in (False, True))
-    below = held and is_drawn_below(problem)
+    below = is_held_all_round(problem) and is_drawn_below(problem)
     for choice in choose(problem, settings):
         posed = problem
-        if below and (choice.method == "newton" or choice.from_dome):
+        if below and choice.method == "newton":
             posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
         method = METHODS[choice.method]
-        run: Callable[[], Optional[Solution]]
-        if choice.from_dome:
-            run = partial(solved_from_dome, posed, _own_settings(method, settings, choice.options), callback)
-        else:
-            run = partial(run_method, method, posed, settings=settings, options=choice.options, callback=callback)
+        run = partial(run_method, method, posed, settings=settings, options=choice.options, callback=callback)
         arrived = allowed.solved(run)
         if arrived is None:
             continue

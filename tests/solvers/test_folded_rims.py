@@ -1,4 +1,4 @@
-"""Roofs that are held all round and may fold: from a dome without folds, whatever the mesh."""
+"""Roofs that are held all round and may fold: one height, whatever the mesh."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_folded_roof_over_a_whole_rim_is_fair_and_as_high_on_every_mesh(outlin
         assert all(result.vertices[:, 2].min() > -1e-9 for result in found)
 
 
-def test_where_the_shape_of_the_drawing_is_kept_no_dome_is_put_over_it():
+def test_where_the_shape_of_the_drawing_is_kept_no_other_is_put_over_it():
     mesh = roof(SQUARE, STRIPS, 1.3, 0.002)
     for vertex in mesh.vertices():
         x, y, _ = mesh.vertex_coordinates(vertex)
