@@ -47,14 +47,14 @@ class Allowance:
         """Whether nothing is left."""
         return self._left <= 0.0
 
-    def solved(self, run: Callable[[], Optional[Solution]]) -> Optional[Solution]:
-        """Return the solution of a run within the work that it may take, None without one."""
+    def solved(self, run: Callable[[], Solution]) -> Solution:
+        """Return the solution of a run within the work that it may take."""
         granted = min(self._left, EACH * self._unit)
         work = Work(granted if self._left < math.inf else math.inf)
         with work.counted():
             solution = run()
         if self._left < math.inf:
             self._left -= granted - max(0.0, work.left)
-        if solution is None or not work.spent or solution.status != "stalled":
+        if not work.spent or solution.status != "stalled":
             return solution
         return solution._replace(message=solution.message + GIVEN_UP)

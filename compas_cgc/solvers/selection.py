@@ -85,10 +85,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
         method = METHODS[choice.method]
         run = partial(run_method, method, posed, settings=settings, options=choice.options, callback=callback)
-        arrived = allowed.solved(run)
-        if arrived is None:
-            continue
-        solution = arrived
+        solution = allowed.solved(run)
         tried.append((solution, choice))
         if solution.status == "converged":
             asked = problem if solution.targets is None else problem.with_targets(solution.targets)

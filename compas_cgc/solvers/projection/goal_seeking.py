@@ -44,7 +44,7 @@ def goal_ways(system: System, equations: CurvatureEquations, start: Point, setti
     guess = equations.guessed() if isinstance(equations, FoundCurvature) else equations
     alone = system.without_goals()
     drawing = alone.at(start.vertices, guess)
-    tried = islice(starts(alone, guess, drawing), TRIED)
+    tried: Iterator[Point] = islice(starts(alone, guess, drawing), TRIED)
     if warm:
         tried = chain([drawing], tried if settings.retry else ())
     for first in tried:
