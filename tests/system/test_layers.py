@@ -32,9 +32,10 @@ INSIDE = {
     "solvers": [
         {"settings"},
         {"allowance", "method", "carried", "coarse", "half_sphere"},
-        {"newton", "projection", "polish"},
-        {"rising", "one_sided", "drawn_side"},
-        {"anew", "domed", "smoothed", "supported", "turned_edges", "columns", "flow", "limits"},
+        {"newton", "polish"},
+        {"projection"},
+        {"rising", "drawn_side"},
+        {"flow", "limits"},
         {"reasons", "registry"},
         {"choices"},
         {"selection"},
