@@ -15,7 +15,8 @@ MODES = 4  # patterns of least energy for curvature of any size, from which othe
 SWEEPS = 30  # most rounds over the regions
 MOST = 4  # patterns that are tried where regions bend in ways of their own
 DEAREST = 1.5  # energy of a pattern that is tried, against the least
-ALIKE = 1e-9  # difference of energies, against the least, of mirror images
+TINY = float(np.finfo(float).tiny)
+ALIKE = 1e-9  # relative decrease of an energy that is rounding
 
 
 class Patterns:
@@ -74,7 +75,7 @@ class Patterns:
         return [tried[k] for k in lowest[np.argsort(energies[lowest], kind="stable")]]
 
     def _modes(self) -> list[FloatArray]:
-        """Return the patterns with the signs and the directions of the modes of least energy, relative to their curvature."""
+        """Return the patterns with the signs and directions of the modes of least energy for their curvature, most domes to their side."""
         count = 3 * len(self._domes)
         G = self._gram.reshape(count, count)
         used = np.flatnonzero(np.column_stack([self._domes, self._saddles, self._saddles]).ravel())
@@ -84,12 +85,11 @@ class Patterns:
         for mode in vectors.T:
             x = np.zeros(count)
             x[used] = mode
-            dome, saddle = x.reshape(-1, 3)[:, 0], x.reshape(-1, 3)[:, 1:]
-            side = self._side * (1.0 if dome.sum() * self._side >= 0.0 else -1.0)
-            length = np.linalg.norm(saddle, axis=1)
-            saddle = np.where(length[:, None] > 0.0, saddle, [1.0, 0.0]) / np.where(length > 0.0, length, 1.0)[:, None]
-            signs = np.where(dome >= 0.0, 1.0, -1.0) * self._domes
-            found.append(side * self._side * np.column_stack([signs, self._saddles[:, None] * saddle]))
+            x = x.reshape(-1, 3)
+            x[:, 0] = np.where(x[:, 0] >= 0.0, 1.0, -1.0) * self._domes
+            length = np.linalg.norm(x[:, 1:], axis=1)
+            x[:, 1:] = np.where(length > 0.0, x[:, 1:].T / np.maximum(length, TINY), [[1.0], [0.0]]).T * self._saddles[:, None]
+            found.append(-x if x[:, 0].sum() * self._side < 0.0 else x)
         return found
 
     def _descended(self, x: FloatArray, flips: bool = True) -> FloatArray:
