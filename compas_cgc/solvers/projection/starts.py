@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Optional
 
 import numpy as np
 
@@ -14,21 +15,43 @@ from ...model.roles import FIXED
 from ..polish.polisher import surfaces
 from .flatness import flat_share
 from .iterate import Point
+from .ruled import ruled
 from .system import System
 
 __all__ = ["bent", "is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
+SPANNED = 0.01  # residual of a surface of straight lines that nearly has K = 0
 FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a drawing is no start
 
 
 def starts(system: System, equations: CurvatureEquations, drawing: Point) -> Iterator[Point]:
-    """Return the drawing alone where it is near or its shape is kept; else the surfaces that bend least, and then the drawing."""
+    """Return the drawing alone where it is near or its shape is kept; else the surfaces that bend least, and then the drawing.
+
+    Where K = 0 is asked for, what straight lines between two curves span comes first, if it is nearer to that than the drawing.
+    """
     here = system.at(system.settled(drawing.vertices), equations)
+    spanned = None if system.keep == "shape" else _spanned(system, equations, here)
+    if spanned is not None:
+        yield spanned
+        yield here
+        return
     if system.missing(here, equations) > NEARLY and (system.keep != "shape" or is_flat(system, equations, here)):
         for vertices in bent(system, equations, drawing.vertices):
             yield system.at(system.settled(vertices), equations)
     yield here
+
+
+def _spanned(system: System, equations: CurvatureEquations, drawing: Point) -> Optional[Point]:
+    """Return the shape that straight lines between two curves span, where K = 0 is asked for and it is nearer to that than the drawing."""
+    missing = system.missing(drawing, equations)
+    if equations.targets[system.rows].any() or (missing <= NEARLY and not system.torn):
+        return None
+    shape = ruled(system, drawing.vertices)
+    if shape is None:
+        return None
+    point = system.at(system.settled(shape), equations)
+    return point if system.missing(point, equations) < min(SPANNED, missing) else None
 
 
 def bent(system: System, equations: CurvatureEquations, drawing: FloatArray) -> list[FloatArray]:

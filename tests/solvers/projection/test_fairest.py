@@ -52,7 +52,7 @@ def solved(problem: CGCProblem, **settings):
     """Solve, and judge by polynomials that the solver knows nothing of."""
     solution = project(problem, settings=ProjectionSettings(**settings))
     assert solution.status == "converged", solution.message
-    assert solution.max_error < 5e-12
+    assert solution.max_error < 1e-11
     return solution.vertices, verdict(replace(problem, vertices=solution.vertices), problem.vertices)
 
 
