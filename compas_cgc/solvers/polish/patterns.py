@@ -83,7 +83,7 @@ class Patterns:
         vectors = np.linalg.eigh(G[np.ix_(used, used)] / np.outer(scale, scale))[1][:, :MODES]
         found = []
         for mode in vectors.T:
-            x = np.zeros(count)
+            x: FloatArray = np.zeros(count)
             x[used] = mode
             x = x.reshape(-1, 3)
             x[:, 0] = np.where(x[:, 0] >= 0.0, 1.0, -1.0) * self._domes
