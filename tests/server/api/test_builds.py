@@ -171,7 +171,7 @@ def test_the_list_of_tasks_is_the_table(client):
     "body, sentence",
     [
         ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, limits, rationalise"),
-        ({"task": "rationalise", "settings": {"seams": "x"}}, "'seams' must be one of grid, levels"),
+        ({"task": "rationalise", "settings": {"seams": "x"}}, "'seams' must be one of grid, curvature, geodesics, levels"),
         ({"task": "rationalise", "settings": {"mould": 3}}, "there is no option 'mould'"),
         ({"task": ["net"]}, "'task' must be one of"),
         ({"task": "unroll", "settings": {"sheet": "large"}}, "'sheet' must be LENGTHxWIDTH"),
