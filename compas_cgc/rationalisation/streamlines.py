@@ -222,10 +222,10 @@ class _CrossField:
         uv = np.stack(np.meshgrid(*self._axes, indexing="ij"), axis=-1)
         curvatures, angles = surface.principal(uv.reshape(-1, 2))
         apart = np.where(within_rims(uv, rims).ravel(), curvatures[:, 0] - curvatures[:, 1], 0.0) ** 2
-        own = (apart * np.exp(4j * angles)).reshape(uv.shape[:2])
+        real, imaginary = ((apart * f(4.0 * angles)).reshape(uv.shape[:2]) for f in (np.cos, np.sin))
         sigmas = [SMOOTHING * width * count / span for span, count in zip(spans, counts)]
         modes = ["wrap" if closes else "nearest" for closes in surface.closed]
-        self._crosses = gaussian_filter(own.real, sigmas, mode=modes) + 1j * gaussian_filter(own.imag, sigmas, mode=modes)
+        self._crosses = gaussian_filter(real, sigmas, mode=modes) + 1j * gaussian_filter(imaginary, sigmas, mode=modes)
         self._level = UMBILIC * float(np.quantile(np.abs(curvatures), 0.95)) ** 2
 
     def nearest(self, uv: FloatArray, angles: FloatArray) -> FloatArray:
