@@ -59,7 +59,7 @@ def solved_on(
             # From a dome no way leads to a saddle.
             return None
         solution = polish(drawn, settings=own, start=problem.vertices, callback=callback)  # type: ignore[arg-type]
-    elif first.method == "projection" and not tears_faces(drawn):
+    elif first.method == "projection" and not first.options and not tears_faces(drawn):
         if (problem.targets < 0.0).any() or (before.targets < 0.0).any():
             # From one saddle to the next a way leads to others than from the drawing, as there are many of nearly the same energy.
             return None

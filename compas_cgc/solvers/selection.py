@@ -78,10 +78,11 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
-    below = is_held_all_round(problem) and is_drawn_below(problem)
+    held = any(is_held_all_round(problem, folded) for folded in (False, True))
+    below = held and is_drawn_below(problem)
     for choice in choose(problem, settings):
         posed = problem
-        if below and choice.method == "newton":
+        if below and choice.method != "bending":
             posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
         method = METHODS[choice.method]
         run = partial(run_method, method, posed, settings=settings, options=choice.options, callback=callback)

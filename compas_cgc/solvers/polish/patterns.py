@@ -16,6 +16,7 @@ SWEEPS = 30  # most rounds over the regions
 MOST = 4  # patterns that are tried where regions bend in ways of their own
 DEAREST = 1.5  # energy of a pattern that is tried, against the least
 TINY = float(np.finfo(float).tiny)
+SAME = 1e-3  # relative difference of the energies of mirror twins, on irregular triangles
 ALIKE = 1e-9  # relative decrease of an energy that is rounding
 
 
@@ -42,7 +43,7 @@ class Patterns:
 
     def __init__(self, gram: FloatArray, slope: FloatArray, constant: float, domes: Mask, saddles: Mask, side: float):
         self._gram, self._slope, self._constant = gram, slope, constant
-        self._domes, self._saddles, self._side = domes, saddles, side
+        self._domes, self.saddles, self._side = domes, saddles, side
         turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
         self._circle = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
 
@@ -50,12 +51,17 @@ class Patterns:
         """Return the energy of a pattern (r, 3)."""
         return float(np.einsum("ra,rasb,sb->", x, self._gram, x) + 2.0 * np.einsum("ra,ra->", self._slope, x)) + self._constant
 
+    def ranks(self, found: list[FloatArray]) -> list[int]:
+        """Return, for each of some patterns, the number of the first with the same energy."""
+        energies = [self.energy(x) for x in found]
+        return [next(j for j, other in enumerate(energies) if abs(other - own) <= SAME * abs(own)) for own in energies]
+
     def found(self) -> list[FloatArray]:
         """Return patterns (r, 3), the likeliest first.
 
         Without saddles all domes go to one side, and then to the other. Regions with saddles between creases bend each in its own way.
         """
-        if not self._saddles.any():
+        if not self.saddles.any():
             domes = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
             return [domes, -domes] if domes.any() else [domes]
         uniform = self._uniform()
@@ -67,7 +73,7 @@ class Patterns:
     def _uniform(self) -> list[FloatArray]:
         """Return the patterns whose domes go to one side and whose saddles are turned alike, of locally least energy."""
         base = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
-        tried = [base + self._saddles[:, None] * one for one in self._circle]
+        tried = [base + self.saddles[:, None] * one for one in self._circle]
         energies = np.array([self.energy(x) for x in tried])
         if np.ptp(energies) <= ROUND * energies.mean():
             return [tried[0], tried[DIRECTIONS // 4]]
@@ -78,7 +84,7 @@ class Patterns:
         """Return the patterns with the signs and directions of the modes of least energy for their curvature, most domes to their side."""
         count = 3 * len(self._domes)
         G = self._gram.reshape(count, count)
-        used = np.flatnonzero(np.column_stack([self._domes, self._saddles, self._saddles]).ravel())
+        used = np.flatnonzero(np.column_stack([self._domes, self.saddles, self.saddles]).ravel())
         scale = np.sqrt(np.diag(G)[used])
         vectors = np.linalg.eigh(G[np.ix_(used, used)] / np.outer(scale, scale))[1][:, :MODES]
         found = []
@@ -88,7 +94,7 @@ class Patterns:
             x = x.reshape(-1, 3)
             x[:, 0] = np.where(x[:, 0] >= 0.0, 1.0, -1.0) * self._domes
             length = np.linalg.norm(x[:, 1:], axis=1)
-            x[:, 1:] = np.where(length > 0.0, x[:, 1:].T / np.maximum(length, TINY), [[1.0], [0.0]]).T * self._saddles[:, None]
+            x[:, 1:] = np.where(length > 0.0, x[:, 1:].T / np.maximum(length, TINY), [[1.0], [0.0]]).T * self.saddles[:, None]
             found.append(-x if x[:, 0].sum() * self._side < 0.0 else x)
         return found
 
@@ -101,7 +107,7 @@ class Patterns:
                 own = self._gram[r, :, r]
                 pull = np.einsum("asb,sb->a", self._gram[r], x) - own @ x[r] + self._slope[r]
                 sides = ([1.0, -1.0] if flips else [x[r, 0]]) if self._domes[r] else [0.0]
-                ways = [self._circle if self._saddles[r] else 0.0 * self._circle[:1]] * len(sides)
+                ways = [self._circle if self.saddles[r] else 0.0 * self._circle[:1]] * len(sides)
                 options = np.vstack([way + np.array([side, 0.0, 0.0]) for side, way in zip(sides, ways)])
                 energies = np.einsum("oa,ab,ob->o", options, own, options) + 2.0 * options @ pull
                 before = float(x[r] @ own @ x[r] + 2.0 * x[r] @ pull)

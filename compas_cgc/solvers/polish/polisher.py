@@ -29,7 +29,6 @@ from ...model.result import SolveState
 from ...model.roles import DUMMY
 from ...model.verdict import Verdict
 from ...model.verdict import verdict
-from ..coarse import Coarse
 from ..coarse import laid_out_anew
 from .lagrangian import Lagrangian
 from .lagrangian import State
@@ -43,7 +42,7 @@ from .starts import is_kept
 from .starts import over_its_plate
 from .starts import starts
 
-__all__ = ["Posed", "keeps_shape", "places", "polish", "posed_as_set", "surfaces"]
+__all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 
 MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
 SAME = 1e-6  # distance relative to the size, up to which two surfaces are the same
@@ -156,15 +155,16 @@ def polish(
     )
 
 
-def surfaces(problem: CGCProblem) -> list[FloatArray]:
-    """Return the surfaces (n, 3) over a drawing that :func:`polish` finds, the best first, to go on from by another method.
-
-    For large meshes they are those on even triangles, carried over. Where none is found, the nearest one is returned.
-    """
-    coarse = _even_triangles(problem)
-    solution = polish(problem if coarse is None else coarse.problem, settings=PolishSettings(keep="plan"))
-    found = [branch.vertices for branch in solution.branches] or [solution.vertices]
-    return found if coarse is None else [coarse.carried(vertices, anew=True) for vertices in found]
+def plates(problem: CGCProblem) -> list[FloatArray]:
+    """Return the initial surfaces (n, 3) of :func:`polish` over the plan of a drawing, the likeliest first."""
+    lagrangian, local, frame, _ = posed_as_set(problem, PolishSettings(keep="plan"))
+    moved = np.flatnonzero(problem.roles != DUMMY)[local.movable]
+    found = []
+    for state in starts(lagrangian):
+        vertices = problem.vertices.copy()
+        vertices[moved] = frame.to_model(lagrangian.vertices(state.unknowns)[local.movable])
+        found.append(vertices)
+    return found
 
 
 class Posed(NamedTuple):
@@ -201,16 +201,11 @@ def keeps_shape(problem: CGCProblem) -> bool:
     return is_kept(posed(local, PolishSettings().fold_length))
 
 
-def _even_triangles(problem: CGCProblem) -> Optional[Coarse]:
-    """Return a large problem on fewer and even triangles, None for a small one or where there are none."""
-    if len(problem.vertices) <= MANY or (problem.roles == DUMMY).any():
-        return None
-    return laid_out_anew(problem, COARSE)
-
-
 def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool, callback: Callback) -> list[FloatArray]:
     """Return the surfaces (n, 3) found on fewer and even triangles over the same drawing, carried over; none for a small mesh."""
-    coarse = _even_triangles(problem)
+    if len(problem.vertices) <= MANY or (problem.roles == DUMMY).any():
+        return []
+    coarse = laid_out_anew(problem, COARSE)
     if coarse is None:
         return []
 

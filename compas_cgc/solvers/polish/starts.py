@@ -63,8 +63,22 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
             return
     own = _Plate(lagrangian)
     steady, parts, patterns = _posed(lagrangian, own)
-    for pattern in patterns.found():
-        yield _with_even_angles(lagrangian, own.here, steady + np.einsum("ra,raq->q", pattern, parts))
+    found = patterns.found()
+    steps = [steady + np.einsum("ra,raq->q", pattern, parts) for pattern in found]
+    if patterns.saddles.any():
+        # Of mirror twins the one that rises along the normals comes first.
+        ranks = patterns.ranks(found)
+        order = sorted(range(len(found)), key=lambda k: (ranks[k], -_volume(lagrangian, own.here, steps[k])))
+        steps = [steps[k] for k in order]
+    for step in steps:
+        yield _with_even_angles(lagrangian, own.here, step)
+
+
+def _volume(lagrangian: Lagrangian, here: State, step: FloatArray) -> float:
+    """Return the volume under the moves of a step (q,)."""
+    moves = np.zeros(len(lagrangian.drawing))
+    moves[lagrangian.free[: lagrangian.moves]] = step[: lagrangian.moves]
+    return float(moves[lagrangian.mesh.faces].mean(axis=1) @ here.operators.areas)
 
 
 def _posed(lagrangian: Lagrangian, own: _Plate) -> tuple[FloatArray, FloatArray, Patterns]:

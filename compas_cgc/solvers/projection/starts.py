@@ -1,4 +1,4 @@
-"""The shapes that a search sets out from: the drawing, or the surfaces that bend least by mid-edge normals."""
+"""The shapes that a search begins at: the drawing, or plates that would bend by themselves to the curvature prescribed."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...model.roles import DUMMY
 from ...model.roles import FIXED
-from ..polish.polisher import surfaces
+from ..polish.polisher import plates
 from .flatness import flat_share
 from .iterate import Point
 from .ruled import ruled
 from .system import System
 
-__all__ = ["bent", "is_flat", "starts"]
+__all__ = ["is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
 SPANNED = 0.01  # residual of a surface of straight lines that nearly has K = 0
@@ -26,7 +26,7 @@ FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a
 
 
 def starts(system: System, equations: CurvatureEquations, drawing: Point) -> Iterator[Point]:
-    """Return the drawing alone where it is near or its shape is kept; else the surfaces that bend least, and then the drawing.
+    """Return the drawing alone where it is near or its shape is kept; else bent plates, and then the drawing.
 
     Where K = 0 is asked for, what straight lines between two curves span comes first, if it is nearer to that than the drawing.
     """
@@ -37,7 +37,7 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point) -> Ite
         yield here
         return
     if system.missing(here, equations) > NEARLY and (system.keep != "shape" or is_flat(system, equations, here)):
-        for vertices in bent(system, equations, drawing.vertices):
+        for vertices in _bent(system, equations, drawing.vertices):
             yield system.at(system.settled(vertices), equations)
     yield here
 
@@ -54,8 +54,8 @@ def _spanned(system: System, equations: CurvatureEquations, drawing: Point) -> O
     return point if system.missing(point, equations) < min(SPANNED, missing) else None
 
 
-def bent(system: System, equations: CurvatureEquations, drawing: FloatArray) -> list[FloatArray]:
-    """Return the surfaces (n, 3) over a drawing that bend least, with the curvature asked for, the best first.
+def _bent(system: System, equations: CurvatureEquations, drawing: FloatArray) -> list[FloatArray]:
+    """Return the plates (n, 3) over a drawing that would bend by themselves to the curvature prescribed, the likeliest first.
 
     None where faces have no area: their edges have no normals.
     """
@@ -64,7 +64,7 @@ def bent(system: System, equations: CurvatureEquations, drawing: FloatArray) -> 
     problem = system.problem_at(drawing, equations.targets)
     held = problem.roles != DUMMY
     held[system.columns] = False
-    return surfaces(replace(problem, roles=np.where(held, FIXED, problem.roles), goals=()))
+    return plates(replace(problem, roles=np.where(held, FIXED, problem.roles), goals=()))
 
 
 def is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:

@@ -58,7 +58,7 @@ _Search = Generator[Taken, None, Optional[Reached]]
 
 
 def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings, warm: bool) -> Iterator[Taken]:
-    """Take steps to the fairest shape near the first start from which there is a way, else in other ways from the first.
+    """Take steps to the fairest shape near the first start that leads to a fair one, else in other ways from the first.
 
     A warm start comes before others. The smooth measure is turned to once the surface is fair: only then do fits tell the
     layout of the mesh from wrinkles.
@@ -84,10 +84,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # The nearest surface is nearly the fairest, and the shortest way to it.
         found = yield from _closing(system, equations, first)
     else:
-        for point in chain([first], tried):
-            found = yield from _approached(system, equations, point)
-            if found is not None:
-                break
+        found = yield from _fairest(system, equations, chain([first], tried))
     if found is None and settings.retry:
         found = yield from _nearest(system, equations, first)
         system = system.keeping("shape")
@@ -197,6 +194,17 @@ def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Gener
     reached = yield from _closed(system, equations, Reached(near, np.zeros(len(system.leading))))
     reached = yield from refine(system, equations, reached)
     return reached.point
+
+
+def _fairest(system: System, equations: CurvatureEquations, tried: Iterator[Point]) -> _Search:
+    """Return where the first start leads whose end is fair, else where the first leads that arrives."""
+    found = None
+    for point in tried:
+        other = yield from _approached(system, equations, point)
+        if other is not None and verdict(system.problem_at(other.point.vertices, equations.targets)).fair:
+            return other
+        found = found or other
+    return found
 
 
 def _approached(system: System, equations: CurvatureEquations, point: Point) -> _Search:

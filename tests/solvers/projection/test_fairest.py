@@ -52,7 +52,7 @@ def solved(problem: CGCProblem, **settings):
     """Solve, and judge by polynomials that the solver knows nothing of."""
     solution = project(problem, settings=ProjectionSettings(**settings))
     assert solution.status == "converged", solution.message
-    assert solution.max_error < 1e-11
+    assert solution.max_error < 5e-12
     return solution.vertices, verdict(replace(problem, vertices=solution.vertices), problem.vertices)
 
 
@@ -70,9 +70,7 @@ def test_a_saddle_is_as_symmetric_as_its_supports():
     assert abs(vertices[:, 2].max() + vertices[:, 2].min()) < 2e-3
 
 
-@pytest.mark.parametrize(
-    "target", [-0.004, -0.02, pytest.param(0.005, marks=pytest.mark.xfail(reason="the dome has tips; the bowl is not tried", strict=True))]
-)
+@pytest.mark.parametrize("target", [-0.004, -0.02, 0.005])
 def test_a_canopy_on_four_masts(target):
     """Between its masts the bilinear surface is where several branches meet; none of them is crumpled."""
     problem = on_corners(target, width=10.0, heights=(0, 3, 0, 3))
@@ -229,8 +227,8 @@ def slider(count: int, n: int, top: float) -> tuple[float, float, float]:
     return apart, max(step) / np.median(step), float(np.abs(last.vertices - up[0].vertices).max())
 
 
-# From K = 2 on the edges draw in so far that cold starts, over the drawn edges, may end on another surface of more energy.
-@pytest.mark.parametrize("count, n, top", [(12, 20, 1.28), pytest.param(60, 20, 1.28, marks=pytest.mark.nightly)])
+# A square on its corners carries 4.4; warm starts from far below lose some of their exactness there.
+@pytest.mark.parametrize("count, n, top", [(12, 20, 1.8), pytest.param(60, 20, 1.96, marks=pytest.mark.nightly)])
 def test_a_slider_goes_without_jumps_up_to_what_is_carried(count, n, top):
     apart, step, loop = slider(count, n, top)
     assert apart <= 1e-3, "cold and warm"
