@@ -62,7 +62,7 @@ class Patterns:
         Without saddles all domes go to one side, and then to the other. Regions with saddles between creases bend each in its own way.
         """
         if not self.saddles.any():
-            domes = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
+            domes: FloatArray = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
             return [domes, -domes] if domes.any() else [domes]
         uniform = self._uniform()
         if len(self._domes) == 1:
@@ -91,7 +91,7 @@ class Patterns:
         for mode in vectors.T:
             x: FloatArray = np.zeros(count)
             x[used] = mode
-            x = x.reshape(-1, 3)
+            x = np.asarray(x.reshape(-1, 3))
             x[:, 0] = np.where(x[:, 0] >= 0.0, 1.0, -1.0) * self._domes
             length = np.linalg.norm(x[:, 1:], axis=1)
             x[:, 1:] = np.where(length > 0.0, x[:, 1:].T / np.maximum(length, TINY), [[1.0], [0.0]]).T * self.saddles[:, None]
