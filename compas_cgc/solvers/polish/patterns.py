@@ -62,7 +62,8 @@ class Patterns:
         Without saddles all domes go to one side, and then to the other. Regions with saddles between creases bend each in its own way.
         """
         if not self.saddles.any():
-            domes: FloatArray = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
+            domes = np.zeros((len(self._domes), 3))
+            domes[:, 0] = self._side * self._domes
             return [domes, -domes] if domes.any() else [domes]
         uniform = self._uniform()
         if len(self._domes) == 1:
