@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Generator
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import islice
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
 from ...discrete.space_form import exact_equations
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
+from ...model.verdict import verdict
 from ..coarse import Coarse
 from ..coarse import coarsened
+from ..coarse import laid_out_anew
 from .closing import Closing
 from .exact import closing_equations
 from .exact import exactly
@@ -30,6 +33,10 @@ from .measure import renewed
 from .measure import shows_layout
 from .settings import AUTO
 from .settings import ProjectionSettings
+from .sliding import can_slide
+from .smooth_shape import DRAWN
+from .smooth_shape import smooth_shape
+from .strategies import PATIENT
 from .strategies import ways
 from .strategies import ways_on
 from .system import KeptDrawing
@@ -39,20 +46,28 @@ __all__ = ["MANY", "kept_on_coarse", "ways_from_coarse"]
 
 MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
 COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones
+FEWEST = 450  # or of one half as fine, with even triangles: with fewer the shape of a plan is lost
+DETOUR = 100  # vertices that may move, from which an irregular mesh takes many steps that lead astray where K < 0
 PART = 50  # or one for so many of the finer, where that is more
+OFF = 1.0  # residual of a shape carried over, against the curvature asked for, of one that is none
 LARGE = 20_000  # vertices that may move, from which there is no other way
 SHORT = 1.0  # part of a step across the surface below which that way does not lead there
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
 LEVEL = 1e-24  # squared distances from a plane, against those along it, that are none
 MEMORY = 3  # steps in which residuals may grow, of a large mesh: where K < 0 the last sway before they converge
-MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 ALMOST = 1e-5  # residual, against the curvature asked for, of a shape that has not strayed
+MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
+
+
+class _Found(NamedTuple):
+    vertices: FloatArray  # (k, 3)
+    solved: bool
 
 
 def ways_from_coarse(
     problem: CGCProblem, system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings
 ) -> Iterator[Taken]:
-    """Take steps from the fairest shape on a coarser mesh of the same drawing, where it is large, and in other ways where there is none.
+    """Take steps from the fairest shape on a coarser mesh of the same drawing, or a more even one, and in other ways where there is none.
 
     What is fair is settled on the coarser mesh. The shape is carried over by local polynomials, and the nearest one that
     fulfils the equations is found by moves across it, with the one or two matrices that this takes factorised.
@@ -66,23 +81,50 @@ def ways_from_coarse(
     settings
         Parameters.
     """
-    coarse = _coarsened(problem) if system.keep != "shape" and len(system.columns) >= MANY else None
-    if coarse is not None:
-        asked = exact_equations(equations, settings.measure)
-        found = _solved(
-            coarse.problem, replace(settings, keep=system.keep, measure="defect" if settings.measure in EXACT else settings.measure)
-        )
-        here = system.at(system.settled(coarse.carried(found, anew=True)), equations)
-        yield Taken(here.vertices, 1.0, 1, False)
-        for last in _from(system, equations, here, settings):
+    here: Optional[Point] = None
+    last: Optional[Taken] = None
+    asked, count = exact_equations(equations, settings.measure), len(problem.vertices)
+    # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
+    many, irregular = len(system.columns) >= MANY, _is_detour(system, equations, settings)
+    if system.keep != "shape" and irregular and settings.measure not in EXACT and len(system.columns) < LARGE:
+        for last in _from_even(problem, system, equations, settings):
+            yield last._replace(settled=False)
+        # The plain way may be gone as well, and lead to a surface that is fair where this one is not.
+        if last is not None and last.settled and _is_fair(problem, last.vertices):
             yield last
-            here = system.at(last.vertices, last.equations or asked)
-        if _is_met(system, equations, here, settings):
-            return
-    if len(system.columns) >= LARGE and system.keep != "shape":
-        # What does not end on a coarser mesh would take its time not to end on this one.
-        return
+    elif system.keep != "shape" and (many or irregular):
+        coarse = _coarsened(problem) if count >= MANY else laid_out_anew(problem, min(COARSE, max(FEWEST, count)))
+        found = None if coarse is None else _solved(coarse.problem, _on_coarser(settings, system))
+        if coarse is not None and found is not None:
+            here = system.at(system.settled(coarse.carried(found.vertices, anew=True)), equations)
+            yield Taken(here.vertices, 1.0, 1, False)
+            if found.solved and (irregular or system.missing(here, equations) <= OFF):
+                for last in _from(system, equations, here, settings):
+                    yield last
+                    here = system.at(last.vertices, last.equations or asked)
+                if len(system.columns) >= LARGE or _is_met(system, equations, here, settings):
+                    return
+            elif len(system.columns) >= LARGE:
+                # What does not end on a coarser mesh would take its time not to end on this one.
+                return
     yield from ways(system, equations, start, settings, False)
+
+
+def _from_even(problem: CGCProblem, system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> Iterator[Taken]:
+    """Take steps from the fairest shape on even triangles to the nearest that is smooth, and on to the nearest that is exact.
+
+    Exact at once, it would have waves for what the meshes differ by.
+    """
+    count = min(COARSE, max(FEWEST, len(problem.vertices) // 2))
+    even = laid_out_anew(problem, count)
+    found = None if even is None else _solved(even.problem, replace(_on_coarser(settings, system), retry=False))
+    if even is None or found is None or not (found.solved and _is_fair(even.problem, found.vertices)):
+        return
+    near = system.on(system.settled(even.carried(found.vertices, anew=True)), system.faces)
+    start = near.places.start
+    yield Taken(start, 1.0, 1, False)
+    vertices = yield from smooth_shape(near, equations, start, rounds=PATIENT, beside=DRAWN)
+    yield from renewed(near, equations, vertices)
 
 
 def kept_on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optional[KeptDrawing]:
@@ -115,6 +157,23 @@ def _is_flat(vertices: FloatArray) -> bool:
     away = vertices - vertices.mean(axis=0)
     least, _, largest = np.linalg.eigvalsh(away.T @ away)
     return bool(least <= LEVEL * largest)
+
+
+def _on_coarser(settings: ProjectionSettings, system: System) -> ProjectionSettings:
+    """Return the settings of a coarser mesh: it keeps the same of the drawing, and needs no exact measure."""
+    return replace(settings, keep=system.keep, measure="defect" if settings.measure in EXACT else settings.measure)
+
+
+def _is_fair(problem: CGCProblem, vertices: FloatArray) -> bool:
+    return verdict(problem.with_vertices(vertices), problem.vertices).fair
+
+
+def _is_detour(system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> bool:
+    """Return whether an irregular mesh ends in another measure where K < 0, for which angle defects on it are a detour, and a long one."""
+    elsewhere = settings.measure in EXACT or (settings.measure != "defect" and len(system.columns) >= DETOUR)
+    if not elsewhere or not system.can_be_laid_out_anew or not can_slide(system, equations):
+        return False
+    return not is_regular(system.faces, np.isin(np.arange(len(system.places.start)), system.rows))
 
 
 def _from(system: System, equations: CurvatureEquations, carried: Point, settings: ProjectionSettings) -> Iterator[Taken]:
@@ -182,14 +241,20 @@ def _descended(system: System, equations: CurvatureEquations, here: Point, memor
         return
 
 
-def _solved(problem: CGCProblem, settings: ProjectionSettings) -> FloatArray:
-    """Return the fairest shape (n, 3) of a problem, or the best on the way to it."""
+def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
+    """Return the fairest shape of a problem, or the best on the way to it."""
     system = System(problem, settings)
     equations = system.equations(problem.targets)
-    best = start = system.at(problem.vertices, equations)
-    for taken in islice(ways(system, equations, start, settings, False), settings.steps):
+    here = best = system.at(problem.vertices, equations)
+    goal = MET * problem.target_scale
+    steps = ways(system, equations, here, settings, False)
+    if len(system.columns) >= MANY:
+        steps = ways_from_coarse(problem, system, equations, here, settings)
+    for count, taken in enumerate(steps):
         here = system.at(taken.vertices, taken.equations or equations)
         best = min(best, here, key=lambda point: point.badness)
-        if taken.settled and here.fulfils(MET * problem.target_scale, system.floor):
+        if taken.settled and here.fulfils(goal, system.floor):
+            return _Found(here.vertices, True)
+        if count + 1 == settings.steps:
             break
-    return best.vertices
+    return _Found(best.vertices, best.fulfils(goal, system.rounding(best, equations)))

@@ -43,12 +43,13 @@ from .system import System
 from .trust_region import SETTLED
 from .trust_region import refine
 
-__all__ = ["ways", "ways_on"]
+__all__ = ["PATIENT", "ways", "ways_on"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 ENOUGH, MANY = 30, 6000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
+TWINS = 1e-6  # relative difference of the residuals of mirror twins
 ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
 EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is a result already
 MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
@@ -198,8 +199,14 @@ def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Gener
 
 def _fairest(system: System, equations: CurvatureEquations, tried: Iterator[Point]) -> _Search:
     """Return where the first start leads whose end is fair, else where the first leads that arrives."""
-    found = None
+    found: Optional[Reached] = None
+    begun: list[float] = []
     for point in tried:
+        missing = system.missing(point, equations)
+        # A mirror twin ends where the other does, and a flat drawing nowhere better.
+        if np.isclose(missing, begun, TWINS, 0.0).any() or (found is not None and is_flat(system, equations, point)):
+            continue
+        begun.append(missing)
         other = yield from _approached(system, equations, point)
         if other is not None and verdict(system.problem_at(other.point.vertices, equations.targets)).fair:
             return other
