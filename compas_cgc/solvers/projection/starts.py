@@ -10,8 +10,11 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ...model.measures import is_held_all_round
 from ...model.roles import DUMMY
 from ...model.roles import FIXED
+from ..newton import NewtonSettings
+from ..newton import newton
 from ..polish.polisher import plates
 from .flatness import flat_share
 from .iterate import Point
@@ -21,6 +24,7 @@ from .system import System
 __all__ = ["is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
+STEPS = 50  # most steps of Newton's method
 SPANNED = 0.01  # residual of a surface of straight lines that nearly has K = 0
 FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a drawing is no start
 
@@ -57,14 +61,20 @@ def _spanned(system: System, equations: CurvatureEquations, drawing: Point) -> O
 def _bent(system: System, equations: CurvatureEquations, drawing: FloatArray) -> list[FloatArray]:
     """Return the plates (n, 3) over a drawing that would bend by themselves to the curvature prescribed, the likeliest first.
 
-    None where faces have no area: their edges have no normals.
+    None where faces have no area: their edges have no normals. Within a held rim K > 0 needs steeper edges than a plate has, and
+    Newton's method finds the only convex surface.
     """
     if not system.sound.all():
         return []
     problem = system.problem_at(drawing, equations.targets)
     held = problem.roles != DUMMY
     held[system.columns] = False
-    return plates(replace(problem, roles=np.where(held, FIXED, problem.roles), goals=()))
+    problem = replace(problem, roles=np.where(held, FIXED, problem.roles), goals=())
+    if is_held_all_round(problem):
+        convex = newton(problem, settings=NewtonSettings(steps=STEPS))
+        if convex.status == "converged":
+            return [convex.vertices]
+    return plates(problem)
 
 
 def is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:
