@@ -13,6 +13,7 @@ from ..discrete.arrays import Vertices
 from ..discrete.nurbs import NurbsPatch
 from .mould_surface import Surface
 from .revolution import Revolution
+from .revolution import cosine_and_sine
 from .revolution import revolution
 
 __all__ = ["ACCURACY", "Chart", "cap_patch", "cap_rim", "chart_of"]
@@ -114,11 +115,5 @@ def cap_patch(surface: Surface, radius: float) -> NurbsPatch:
 def cap_rim(surface: Surface, radius: float) -> Vertices:
     """Return the closed rim of a cap (k, 3), first point repeated [L]."""
     angle = np.linspace(0.0, 2.0 * math.pi, RIM_POINTS + 1)
-    root = math.sqrt(abs(surface.K))
-    if surface.K > 0.0:
-        up, out = math.cos(root * radius), math.sin(root * radius) / root
-    elif surface.K < 0.0:
-        up, out = math.cosh(root * radius), math.sinh(root * radius) / root
-    else:
-        up, out = 1.0, radius
-    return surface.places(np.column_stack([np.full(len(angle), up), out * np.cos(angle), out * np.sin(angle)]))
+    up, out = cosine_and_sine(surface.K, np.full(len(angle), radius))
+    return surface.places(np.column_stack([up, out * np.cos(angle), out * np.sin(angle)]))

@@ -12,6 +12,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from . import space_form
+from .revolution import cosine_and_sine
 
 __all__ = ["Surface", "cap_mesh", "surface_for"]
 
@@ -107,13 +108,7 @@ def cap_mesh(surface: Surface, radius: float) -> tuple[Vertices, Faces]:
     """Return the mesh of a cap about the pole of a mould: vertices (n, 3) [L] and faces (m, 3)."""
     ring, k = np.divmod(np.arange(RINGS * AROUND), AROUND)
     distance, angle = radius * (ring + 1) / RINGS, 2 * np.pi * k / AROUND
-    root = math.sqrt(abs(surface.K))
-    if surface.K > 0.0:
-        up, out = np.cos(root * distance), np.sin(root * distance) / root
-    elif surface.K < 0.0:
-        up, out = np.cosh(root * distance), np.sinh(root * distance) / root
-    else:
-        up, out = np.ones_like(distance), distance
+    up, out = cosine_and_sine(surface.K, distance)
     points = np.vstack([[1.0, 0.0, 0.0], np.column_stack([up, out * np.cos(angle), out * np.sin(angle)])])
     i = np.arange(AROUND)
     fan = np.column_stack([np.zeros(AROUND, np.int64), 1 + i, 1 + (i + 1) % AROUND])

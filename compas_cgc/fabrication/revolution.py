@@ -12,7 +12,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.nurbs import NurbsPatch
 from ..errors import CGCError
 
-__all__ = ["KINDS", "Revolution", "revolution"]
+__all__ = ["KINDS", "Revolution", "cosine_and_sine", "revolution"]
 
 EQUAL = 1e-12  # relative difference below which two radii or slopes count as equal
 MAX_SPANS = 4096
@@ -50,12 +50,12 @@ class Revolution(NamedTuple):
 
     def radii(self, s: FloatArray) -> FloatArray:
         """Return the distances from the axis at arc lengths (n,) [L]."""
-        c, d = _waves(self.K, s)
+        c, d = cosine_and_sine(self.K, s)
         return self.start * c + self.slope * d
 
     def slopes(self, s: FloatArray) -> FloatArray:
         """Return the derivatives of the radii by the arc length (n,), from -1 to 1 on the surface."""
-        c, d = _waves(self.K, s)
+        c, d = cosine_and_sine(self.K, s)
         return self.slope * c - self.K * self.start * d
 
     def heights(self, s: FloatArray) -> FloatArray:
@@ -120,8 +120,8 @@ class Revolution(NamedTuple):
             spans *= 2
 
 
-def _waves(K: float, s: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the solutions of ``f'' = -K f`` with value 1 and slope 0, and value 0 and slope 1, at 0."""
+def cosine_and_sine(K: float, s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the solutions of ``f'' = -K f`` at arc lengths (n,): with value 1 and slope 0, and with value 0 and slope 1, at 0."""
     root = math.sqrt(abs(K))
     if K == 0.0:
         return np.ones_like(s), np.asarray(s, float)

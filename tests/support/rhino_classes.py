@@ -162,7 +162,7 @@ class ValueTable:
 
 
 class Document:
-    """A canvas that runs what is scheduled when it is told to."""
+    """A canvas that runs scheduled solutions on request."""
 
     def __init__(self):
         self.scheduled = []

@@ -158,6 +158,10 @@ class Lagrangian:
         n = len(self.drawing)
         return self.drawing + unknowns[:n, None] * self.mesh.directions
 
+    def volume(self, unknowns: FloatArray, areas: FloatArray) -> float:
+        """Return the volume under the moves of the vertices along their directions, for unknowns (u,) and areas of faces (m,)."""
+        return float(np.einsum("m,m->", unknowns[self.mesh.faces].mean(axis=1), areas))
+
     def at(self, unknowns: FloatArray) -> State:
         """Return energy and residuals for unknowns (u,)."""
         operators = self.mesh.at(self.vertices(unknowns), unknowns[len(self.drawing) :])

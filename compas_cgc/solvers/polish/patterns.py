@@ -62,8 +62,7 @@ class Patterns:
         Without saddles all domes go to one side, and then to the other. Regions with saddles between creases bend each in its own way.
         """
         if not self.saddles.any():
-            domes = np.zeros((len(self._domes), 3))
-            domes[:, 0] = self._side * self._domes
+            domes = self._one_side()
             return [domes, -domes] if domes.any() else [domes]
         uniform = self._uniform()
         if len(self._domes) == 1:
@@ -71,10 +70,16 @@ class Patterns:
         own = [self._descended(x) for x in [*uniform, *self._modes()]]
         return self._best([self._descended(x, False) for x in uniform] + own)
 
+    def _one_side(self) -> FloatArray:
+        """Return the pattern (r, 3) of domes to their side alone."""
+        x = np.zeros((len(self._domes), 3))
+        x[:, 0] = self._side * self._domes
+        return x
+
     def _uniform(self) -> list[FloatArray]:
         """Return the patterns whose domes go to one side and whose saddles are turned alike, of locally least energy."""
-        base = np.column_stack([self._side * self._domes, 0.0 * self._domes, 0.0 * self._domes])
-        tried = [base + self.saddles[:, None] * one for one in self._circle]
+        domes = self._one_side()
+        tried = [domes + self.saddles[:, None] * one for one in self._circle]
         energies = np.array([self.energy(x) for x in tried])
         if np.ptp(energies) <= ROUND * energies.mean():
             return [tried[0], tried[DIRECTIONS // 4]]

@@ -131,7 +131,8 @@ def polish(
     found.sort(key=lambda end: not judged(end).fair)
     # Of mirror twins the one that rises along the normals comes first.
     twins = {id(end) for end in found if _alike(end, found[0]) and judged(end).fair == judged(found[0]).fair}
-    found.sort(key=lambda end: (id(end) not in twins, -round(_rise(lagrangian, end.state), RISE_DIGITS) if id(end) in twins else 0.0))
+    rises = {id(end): round(lagrangian.volume(end.state.unknowns, end.state.operators.areas), RISE_DIGITS) for end in found}
+    found.sort(key=lambda end: (id(end) not in twins, -rises[id(end)] if id(end) in twins else 0.0))
     best = found[0] if found else min(ends, key=lambda end: _error(lagrangian, end.state))
     _, _, H, K = lagrangian.curvatures(best.state.operators)
     law = pair_laws(problem.without_dummies(), lagrangian.mesh)[1]
@@ -267,12 +268,6 @@ def _distinct(ends: list[_End], lagrangian: Lagrangian, size: float) -> list[_En
         if all(float(np.abs(V - lagrangian.vertices(other.state.unknowns)).max()) > SAME * size for other in found):
             found.append(end)
     return found
-
-
-def _rise(lagrangian: Lagrangian, state: State) -> float:
-    """Return the volume under the moves of the vertices along their directions."""
-    moves = state.unknowns[: len(lagrangian.drawing)][lagrangian.mesh.faces].mean(axis=1)
-    return float(np.einsum("m,m->", moves, state.operators.areas))
 
 
 def _alike(end: _End, other: _End) -> bool:

@@ -78,7 +78,7 @@ def _volume(lagrangian: Lagrangian, here: State, step: FloatArray) -> float:
     """Return the volume under the moves of a step (q,)."""
     moves = np.zeros(len(lagrangian.drawing))
     moves[lagrangian.free[: lagrangian.moves]] = step[: lagrangian.moves]
-    return float(moves[lagrangian.mesh.faces].mean(axis=1) @ here.operators.areas)
+    return lagrangian.volume(moves, here.operators.areas)
 
 
 def _posed(lagrangian: Lagrangian, own: _Plate) -> tuple[FloatArray, FloatArray, Patterns]:
@@ -150,7 +150,7 @@ def over_its_plate(lagrangian: Lagrangian) -> Lagrangian:
     slope = np.abs(np.einsum("ex,ex->e", step, mesh.directions[edges[:, 0]])) / np.linalg.norm(step, axis=1)
     beside = fixed[edges].any(axis=1)
     pulled = slope[beside].max(initial=0.0) > PULLED * slope[~beside].max(initial=0.0)
-    under = float(np.einsum("m,m->", here.unknowns[mesh.faces].mean(axis=1), areas))
+    under = lagrangian.volume(here.unknowns, areas)
     against = against or (not pulled and under > SAID * float(curvature @ areas) * float(areas.sum()) / 4.0)
     return lagrangian.over(lagrangian.vertices(here.unknowns), -1.0 if against else 1.0)
 

@@ -169,7 +169,7 @@ def _closed_across(system: System, equations: CurvatureEquations, near: Point) -
 
 
 def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -> bool:
-    """Return whether angle defects would crumple a start on its way: where K̄ <= 0, an irregular mesh is told to wrinkle."""
+    """Return whether steps by angle defects would wrinkle a start, as on irregular meshes where K̄ <= 0."""
     if not _is_told_by_fits(system, equations) or not (equations.targets[system.rows] <= 0.0).any():
         return False
     return shows_layout(system, equations, first.vertices)
