@@ -22,6 +22,7 @@ from compas_cgc.solvers import options
 from compas_cgc.solvers import register
 from compas_cgc.solvers.settings import option
 
+from ..support.server_process import wait_for
 from ..support.shapes import grid
 
 
@@ -64,7 +65,8 @@ def solved(client, **more):
     answer = client.post("/api/v1/jobs", data=json.dumps(value))
     assert answer.status_code == 202, answer.json
     id = answer.json["id"]
-    status = client.get(f"/api/v1/jobs/{id}?wait=25").json
+    over = ("succeeded", "failed", "cancelled")
+    status = wait_for(lambda: (found := client.get(f"/api/v1/jobs/{id}?wait=25").json)["state"] in over and found)
     assert status["state"] == "succeeded", status
     return client.get(f"/api/v1/jobs/{id}/result").json
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import logging
 import threading
-import time
 
 import pytest
 
 from compas_cgc.server.waitress_threads import Threads
 
-PATIENCE = 30.0
+from ..support.server_process import PATIENCE
+from ..support.server_process import wait_for
 
 
 class Request:
@@ -83,6 +83,11 @@ def test_a_system_without_more_threads_serves_a_request_later(monkeypatch, caplo
     assert first.over.wait(PATIENCE) and second.over.wait(PATIENCE)
 
 
+def let_go_once_nothing_waits(threads, request):
+    wait_for(lambda: not threads.queue)
+    request.go.set()
+
+
 @pytest.mark.parametrize("busy", [False, True])
 def test_the_end_drops_what_waits(busy):
     threads, first, second = Threads(1), Request(), Request()
@@ -90,8 +95,7 @@ def test_the_end_drops_what_waits(busy):
     threads.add_task(second)
     assert first.begun.wait(PATIENCE)
     if not busy:
-        threading.Timer(0.1, first.go.set).start()
-    begun = time.monotonic()
+        threading.Thread(target=let_go_once_nothing_waits, args=(threads, first)).start()
     assert threads.shutdown(timeout=0.2 if busy else PATIENCE) is True
-    assert second.cancelled.is_set() and not second.begun.is_set() and time.monotonic() - begun < PATIENCE
+    assert second.cancelled.is_set() and not second.begun.is_set() and first.over.is_set() is not busy
     first.go.set()

@@ -14,7 +14,7 @@ from . import rhino_classes
 from .rhino_classes import Component
 from .rhino_classes import Document
 
-PATIENCE = 100.0  # for a canvas that comes to rest, which takes as long as something is compiled [s]
+PATIENCE = 300.0  # for a canvas that comes to rest, which takes as long as something is compiled [s]
 
 # As McNeel's files have them.
 KINDS = {

@@ -27,6 +27,7 @@ from .rhino_classes import SubD  # noqa: F401
 from .rhino_classes import modules
 from .rhino_classes import rhino_mesh  # noqa: F401
 from .rhino_classes import square  # noqa: F401
+from .server_process import PATIENCE
 
 
 @pytest.fixture
@@ -61,7 +62,7 @@ class Placed:
 
     def settle(self, **inputs):
         """Return the outputs by name once the canvas comes to rest, which may take as long as something is compiled."""
-        out, end = self.run(**inputs), time.monotonic() + 100.0
+        out, end = self.run(**inputs), time.monotonic() + PATIENCE
         while self.component.document.scheduled:
             assert time.monotonic() < end, "the canvas does not come to rest"
             time.sleep(0.02)

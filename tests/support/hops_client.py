@@ -10,6 +10,8 @@ from xml.etree import ElementTree
 
 import rhino3dm
 
+from .server_process import PATIENCE
+
 KINDS = (
     "arc boolean box brep circle colour curve domain geometry integer line mesh number plane point "
     "rectangle text transform subd surface vector"
@@ -33,7 +35,7 @@ def require(condition, message):
 def get(url):
     """Return status, type and body; Hops sends no key here."""
     try:
-        with urllib.request.urlopen(url, timeout=100) as answer:
+        with urllib.request.urlopen(url, timeout=PATIENCE) as answer:
             return answer.status, answer.headers["Content-Type"], answer.read()
     except urllib.error.HTTPError as error:
         return error.code, error.headers["Content-Type"], error.read()
@@ -136,7 +138,7 @@ class Hops:
             return self.memory[body]
         headers = {"Content-Type": kind, **({"RhinoComputeKey": self.key} if self.key else {}), **headers}
         try:
-            with urllib.request.urlopen(urllib.request.Request(self.root + address, body, headers), timeout=100) as answer:
+            with urllib.request.urlopen(urllib.request.Request(self.root + address, body, headers), timeout=PATIENCE) as answer:
                 status, told, content = answer.status, answer.headers, answer.read()
         except urllib.error.HTTPError as error:
             status, told, content = error.code, error.headers, error.read()

@@ -26,6 +26,15 @@ def loop(seconds):
     return "stopped" if time.monotonic() < end else "ended"
 
 
+def loop_until(path):
+    """Run until a file exists or it is stopped; return what it heard."""
+    while not os.path.exists(path):
+        if stop_wanted():
+            return "stopped"
+        time.sleep(0.01)
+    return "ended"
+
+
 def deaf(seconds):
     report({"process": os.getpid()})
     time.sleep(seconds)

@@ -27,6 +27,8 @@ from compas_cgc.cli.exits import INTERRUPTED
 from compas_cgc.cli.exits import REFUSED
 from compas_cgc.errors import FileError
 
+from ..support.server_process import PATIENCE
+
 pytestmark = pytest.mark.usefixtures("small_pictures")
 NAMES = ("surface.obj", "report.json", "picture.svg")
 
@@ -209,7 +211,7 @@ def test_a_signal_leaves_no_temporary_file(tmp_path):
     process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path / "a.txt")], stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "begun\n" and left(tmp_path)
     process.terminate()
-    assert process.wait(30) == 143 and left(tmp_path) == []
+    assert process.wait(PATIENCE) == 143 and left(tmp_path) == []
     process.stdout.close()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 import time
 import uuid
 from collections.abc import Callable
@@ -63,7 +64,12 @@ def remote_solve(
         client = Client(server.url, server.key, retries=0, timeout=10.0)
         problem = mesh.to_problem().with_goals(goals)
         id = uuid.uuid4().hex
-        answer = _answer(client, id, request_body(id, problem, settings), ProgressMeter(problem.target_scale), report)
+        try:
+            answer = _answer(client, id, request_body(id, problem, settings), ProgressMeter(problem.target_scale), report)
+        except BaseException:
+            # The task may be interrupted in the middle of a request; it does not wait for the server.
+            threading.Thread(target=_cancel, args=(client, id), daemon=True).start()
+            raise
         return _result(problem, answer, settings, mesh)
 
     return run
@@ -92,10 +98,13 @@ def _answer(client: Client, id: str, body: bytes, meter: ProgressMeter, report: 
                 raise CGCError(str(error)) from None
             submitted = False
         if report(shown):
-            with suppress(ClientError):
-                client.cancel(id)
             raise CGCError("cancelled")
         time.sleep(pause)
+
+
+def _cancel(client: Client, id: str) -> None:
+    with suppress(ClientError):
+        client.cancel(id)
 
 
 def request_body(id: str, problem: CGCProblem, settings: Optional[Settings] = None) -> bytes:

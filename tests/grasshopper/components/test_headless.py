@@ -12,6 +12,7 @@ from compas_cgc import FlowSettings
 
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
+from .test_solve import gate  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("rhino")
 
@@ -41,7 +42,7 @@ def test_one_solution_gives_the_surface(monkeypatch, headless):
     assert not placed.component.document.scheduled, "nothing would run it"
 
 
-def test_wait_gives_every_input_its_surface():
+def test_wait_gives_every_input_its_surface(gate):  # noqa: F811
     placed = place("Solve")
     heights = []
     for K in (0.005, 0.01, 0.02):
@@ -49,6 +50,7 @@ def test_wait_gives_every_input_its_surface():
         assert out["status"] == "converged" and out["cgc_mesh"].region_target(0) == K
         heights.append(max(point.Z for point in out["mesh"].Vertices))
     assert heights == sorted(heights) and not placed.component.document.scheduled
+    gate.clear()
     later = place("Solve").run(cgc_mesh=dome(), run=True)
     assert later["status"] == "running" and later["mesh"] is None, "without wait, the canvas goes on"
 

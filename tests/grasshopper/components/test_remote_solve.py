@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 
 import numpy as np
@@ -12,7 +13,9 @@ from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
 from compas_cgc import Height
 from compas_cgc.grasshopper.components import server as server_component
+from compas_cgc.grasshopper.runtime import remote_solve as remote_module
 from compas_cgc.grasshopper.runtime.address import Address
+from compas_cgc.grasshopper.runtime.background import BackgroundTask
 from compas_cgc.grasshopper.runtime.local_solve import local_solve
 from compas_cgc.grasshopper.runtime.remote_solve import request_body
 
@@ -24,6 +27,7 @@ from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from .test_solve import dome
 from .test_solve import endless
+from .test_solve import gate  # noqa: F401
 from .test_solve import task_of
 from .test_solve import until_done
 
@@ -38,9 +42,9 @@ def here(mesh, settings=None, goals=()):
     return local_solve(mesh, settings, goals)(lambda progress: False)
 
 
-def test_the_server_gives_what_this_process_gives(open_server):
+def test_the_server_gives_what_this_process_gives(open_server, gate):  # noqa: F811
     placed = place("Solve")
-    outs = until_done(placed, cgc_mesh=dome(), run=True, server=open_server.url)
+    outs = until_done(placed, gate, cgc_mesh=dome(), run=True, server=open_server.url)
     assert outs[0]["status"] == "running" and outs[-1]["status"] == "converged" and not placed.component.balloons
     own = here(dome())
     assert [list(p) for p in outs[-1]["mesh"].Vertices] == own.mesh.arrays()[0].tolist(), "bit by bit"
@@ -117,7 +121,8 @@ def test_a_newer_input_cancels_the_job_on_the_server(open_server):
     wait_for(lambda: "running" in states(open_server).values())
     (job,) = [id for id, state in states(open_server).items() if state == "running"]
     done = until_done(placed, cgc_mesh=dome(), run=True, server=open_server.url)
-    assert done[-1]["status"] == "converged" and states(open_server)[job] == "cancelled"
+    assert done[-1]["status"] == "converged"
+    wait_for(lambda: states(open_server)[job] == "cancelled")
 
 
 def test_reset_cancels_the_job_on_the_server(open_server):
@@ -127,6 +132,33 @@ def test_reset_cancels_the_job_on_the_server(open_server):
     wait_for(lambda: placed.run(run=True, server=open_server.url, **busy())["progress"] is not None)
     placed.run(reset=True)
     wait_for(lambda: "running" not in states(open_server).values())
+
+
+def test_a_job_is_cancelled_also_while_the_server_is_slow(monkeypatch):
+    asked, cancelled, over = threading.Event(), [], threading.Event()
+
+    class Slow:
+        def __init__(self, *args, **options):
+            pass
+
+        def request(self, method, path, body):
+            pass
+
+        def poll(self, id):
+            asked.set()
+            while not over.is_set():
+                time.sleep(0.01)
+
+        def cancel(self, id):
+            cancelled.append(id)
+
+    monkeypatch.setattr(remote_module, "Client", Slow)
+    task = BackgroundTask(remote_module.remote_solve(dome().to_problem(), None, (), Address("http://studio-pc:7331")))
+    assert asked.wait(PATIENCE)
+    task.cancel()
+    assert task.wait(PATIENCE), "it does not wait for the answer"
+    wait_for(lambda: cancelled)
+    over.set()
 
 
 @pytest.mark.nightly

@@ -42,14 +42,31 @@ def endless():
     return dict(cgc_mesh=dome(n=30), settings=FlowSettings(steps=10**6, tolerance=0.0))
 
 
+@pytest.fixture
+def gate(monkeypatch):
+    """An event; while it is cleared, no computation of a component begins."""
+    opened, computed = threading.Event(), runner._computed
+    opened.set()
+    monkeypatch.setattr(runner, "_computed", lambda *inputs: opened.wait(PATIENCE) and computed(*inputs))
+    yield opened
+    opened.set()
+
+
 def task_of(placed):
     """Return the running task of a component, or None."""
     return next(iter(component_module._RUNNER.tasks(placed.component)), None)
 
 
-def until_done(placed, **inputs):
-    """Run a component whenever its canvas wants it to, and return all outputs, the last one last."""
+def until_done(placed, gate=None, **inputs):
+    """Run a component whenever its canvas wants it to, and return all outputs, the last one last.
+
+    With a gate, the first outputs are those before the computation.
+    """
+    if gate is not None:
+        gate.clear()
     outs = [placed.run(**inputs)]
+    if gate is not None:
+        gate.set()
     end = time.monotonic() + PATIENCE
     while outs[-1]["status"] == "running":
         assert time.monotonic() < end, "the solve does not end"
@@ -61,15 +78,15 @@ def until_done(placed, **inputs):
     return outs
 
 
-def test_from_toggle_to_surface():
+def test_from_toggle_to_surface(gate):
     placed = place("Solve")
     mesh = dome()
     out = placed.run(cgc_mesh=mesh, run=False)
     assert out["status"] == "waiting" and out["mesh"] is None
     assert placed.component.Message == "set run to true" and not placed.component.document.scheduled
-    # A slow canvas may see a surface of the background in its first outputs.
-    outs = until_done(placed, cgc_mesh=mesh, run=True)
+    outs = until_done(placed, gate, cgc_mesh=mesh, run=True)
     assert [out["status"] for out in outs[:-1]] == ["running"] * (len(outs) - 1)
+    assert outs[0]["mesh"] is None and outs[0]["progress"] == 0.0
     out = outs[-1]
     assert out["status"] == "converged" and out["progress"] == 1.0 and not placed.component.balloons
     assert placed.component.Message == "converged" and "max error" in out["report"] and out["result"].status == "converged"
@@ -101,11 +118,11 @@ def test_nothing_new_costs_next_to_nothing(monkeypatch):
     assert not placed.component.document.scheduled
 
 
-def test_progress_is_shown_and_rises():
+def test_progress_is_shown_and_rises(gate):
     placed = place("Solve")
-    outs = until_done(placed, cgc_mesh=dome(n=30), settings=FlowSettings(tolerance=1e-9), run=True)
+    outs = until_done(placed, gate, cgc_mesh=dome(n=30), settings=FlowSettings(tolerance=1e-9), run=True)
     parts = [out["progress"] for out in outs]
-    assert parts[0] < 0.5 and parts[-1] == 1.0 and all(0 <= part <= 1 for part in parts)
+    assert parts[0] == 0.0 and parts[-1] == 1.0 and all(0 <= part <= 1 for part in parts)
 
 
 def test_a_newer_input_cancels_the_older_one():
@@ -118,12 +135,12 @@ def test_a_newer_input_cancels_the_older_one():
     assert outs[-1]["cgc_mesh"].number_of_vertices() == 100
 
 
-def test_the_last_result_stays_until_the_next_one_is_there():
+def test_the_last_result_stays_until_the_next_one_is_there(gate):
     placed = place("Solve")
     done = until_done(placed, cgc_mesh=dome(), run=True)[-1]
     out = placed.run(cgc_mesh=dome(0.02), run=False)
     assert out["mesh"] is done["mesh"] and out["status"] == "out of date" and placed.component.Message == "set run to true"
-    outs = until_done(placed, cgc_mesh=dome(0.02), run=True)
+    outs = until_done(placed, gate, cgc_mesh=dome(0.02), run=True)
     assert outs[0]["mesh"] is done["mesh"] and outs[0]["status"] == "running"
     assert outs[-1]["status"] == "converged" and outs[-1]["mesh"] is not done["mesh"]
     assert placed.run(run=True)["mesh"] is outs[-1]["mesh"] and placed.said("Warning") == ["connect a CGC mesh"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import time
 import zipfile
 
 import numpy as np
@@ -27,6 +26,7 @@ from ...support.constant_curvature import cone
 from ...support.constant_curvature import revolved_patch
 from ...support.freeform import mesh_over
 from ...support.server_process import KEY
+from ...support.server_process import wait_for
 from ...support.shapes import grid
 
 HEADS = {
@@ -134,11 +134,13 @@ def test_the_result_of_a_job_a_file_and_a_compas_mesh_are_taken(client, server, 
     assert by_job["panels"] == by_arrays["panels"] and max(own["edge_error"] for own in by_job["panels"]) < 1e-11
     write(tmp_path / "solved.3dm", surface)
     id = client.submit_file((tmp_path / "solved.3dm").read_bytes(), "3dm", task="mould", settings={"count": 4})
-    assert client.poll(id, wait=20)["state"] == "succeeded" and client.result(id)["text"] == by_job["text"]
+    wait_for(lambda: client.poll(id, wait=20)["state"] == "succeeded")
+    assert client.result(id)["text"] == by_job["text"]
     mesh = json.loads(CGCMesh.from_problem(surface).to_jsonstring())
     body = json.dumps({"task": "mould", "mesh": mesh, "settings": {"count": 4}}).encode()
     status, _, content = server.ask("POST", "/api/v1/jobs", body, RhinoComputeKey=KEY)
-    assert status == 202 and client.poll(json.loads(content)["id"], wait=20)["state"] == "succeeded"
+    assert status == 202
+    wait_for(lambda: client.poll(json.loads(content)["id"], wait=20)["state"] == "succeeded")
     assert client.result(json.loads(content)["id"])["text"] == by_job["text"]
 
 
@@ -242,8 +244,7 @@ def test_jobs_without_such_a_result_say_so(client, server):
 def test_a_build_is_cancelled(client):
     vertices, faces = revolved_patch(60, -0.02)
     id = client.submit_build("net", vertices, faces, supports="boundary", targets=-0.02, settings={"spacing": 0.02})
-    while client.poll(id)["state"] == "queued":
-        time.sleep(0.02)
-    assert client.poll(id)["stage"] in ("read", "build") and client.cancel(id)["id"] == id
-    status = client.poll(id, wait=20)
+    wait_for(lambda: client.poll(id)["stage"] in ("read", "build"))
+    assert client.cancel(id)["id"] == id
+    status = wait_for(lambda: (found := client.poll(id, wait=20))["state"] != "running" and found)
     assert status["state"] == "cancelled" and not status["has_result"] and status["task"] == "net"

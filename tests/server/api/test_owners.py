@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import json
 import logging
-import time
+import types
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from compas_cgc.errors import CGCError
 from compas_cgc.server import create_app
+from compas_cgc.server import keys
 from compas_cgc.server.keys import LOCAL
 from compas_cgc.server.keys import Keys
 from compas_cgc.server.keys import Throttle
 from compas_cgc.server.keys import read_keys
 
+from ...support.server_process import wait_for
 from ...support.shapes import grid
 
 ANNA, BEN, OPERATOR = "the-key-of-anna", "the-key-of-ben", "the-key-of-the-operator"
@@ -43,7 +45,7 @@ def solved(app):
     client = app.test_client()
     answer = client.post("/api/v1/jobs", json=body(id=ID), headers={"RhinoComputeKey": ANNA})
     assert answer.status_code == 202
-    assert client.get(f"/api/v1/jobs/{ID}?wait=20", headers={"RhinoComputeKey": ANNA}).json["state"] == "succeeded"
+    wait_for(lambda: client.get(f"/api/v1/jobs/{ID}?wait=20", headers={"RhinoComputeKey": ANNA}).json["state"] == "succeeded")
     return ID
 
 
@@ -86,7 +88,7 @@ def test_two_owners_may_use_the_same_id(app, solved):
     theirs = client.post("/api/v1/jobs", json=body(id=ID, targets=0.1), headers={"RhinoComputeKey": BEN})
     assert theirs.status_code == 202, "no conflict with the request of another owner"
     assert client.post("/api/v1/jobs", json=body(id=ID, targets=0.1), headers={"RhinoComputeKey": ANNA}).status_code == 409
-    client.get(f"/api/v1/jobs/{ID}?wait=20", headers={"RhinoComputeKey": BEN})
+    wait_for(lambda: client.get(f"/api/v1/jobs/{ID}?wait=20", headers={"RhinoComputeKey": BEN}).json["state"] == "succeeded")
     results = [client.get(f"/api/v1/jobs/{ID}/result", headers={"RhinoComputeKey": key}).json for key in (ANNA, BEN)]
     assert results[0]["vertices"] != results[1]["vertices"]
     assert client.delete(f"/api/v1/jobs/{ID}", headers={"RhinoComputeKey": BEN}).status_code == 204
@@ -143,13 +145,15 @@ def test_an_address_that_tries_many_keys_has_to_wait():
     app.extensions["jobs"].close()
 
 
-def test_a_throttle_lets_go_after_its_window():
-    throttle = Throttle(attempts=2, window=0.1)
+def test_a_throttle_lets_go_after_its_window(monkeypatch):
+    throttle, now = Throttle(attempts=2, window=60.0), [0.0]
+    monkeypatch.setattr(keys, "time", types.SimpleNamespace(monotonic=lambda: now[0]))
     throttle.add("a")
     assert throttle.pause("a") == 0.0
+    now[0] = 20.0
     throttle.add("a")
-    assert 0 < throttle.pause("a") <= 0.1 and throttle.pause("b") == 0.0
-    time.sleep(0.12)
+    assert throttle.pause("a") == 40.0 and throttle.pause("b") == 0.0
+    now[0] = 61.0
     assert throttle.pause("a") == 0.0
 
 

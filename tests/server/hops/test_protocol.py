@@ -389,7 +389,7 @@ def test_an_answer_has_an_entry_for_every_output_and_no_decimal_point(hops):
 def test_a_job_that_runs_is_never_kept_by_the_memory_of_the_client(server, hops):
     submit, fetch = hops("submit", memory=True), hops("fetch", memory=True)
     # Far from its targets and without strategy it takes all of its steps.
-    _, outputs, _, _ = submit.solve(Mesh=sheet(40), K=[0.02], Method="flow", S=0.79, Tolerance=1e-12)
+    _, outputs, _, _ = submit.solve(Mesh=sheet(60), K=[0.02], Method="flow", S=0.79, Tolerance=1e-12)
     (job,) = outputs["Job"]
     wait_for(lambda: server.client.poll(job)["iteration"] > 0)
     for _ in range(2):
