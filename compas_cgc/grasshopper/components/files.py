@@ -8,6 +8,7 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
+from ..._atomic_write import published_together
 from ...datastructures import CGCMesh
 from ...errors import CGCError
 from ...errors import FileError
@@ -73,7 +74,7 @@ def write_3dm(component: Any, path: Any, cgc_mesh: Any, write: Optional[bool]) -
     Raises
     ------
     CGCError
-        If several meshes have the same path; nothing is written then.
+        If several meshes have the same path, or one of the files cannot be written; nothing is written then.
     """
     matches = matched(branches_of(path), branches_of(cgc_mesh))
     rows = [row for match in matches for row in match.rows]
@@ -88,9 +89,10 @@ def write_3dm(component: Any, path: Any, cgc_mesh: Any, write: Optional[bool]) -
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise CGCError(f"{names.count(twice)} meshes have the path {twice}; connect one path for each mesh")
-    for match, branch in zip(matches, written):
-        for (_, mesh), name in zip(match.rows, branch):
-            if name is not None:
-                write_file(name, mesh)
+    with published_together():
+        for match, branch in zip(matches, written):
+            for (_, mesh), name in zip(match.rows, branch):
+                if name is not None:
+                    write_file(name, mesh)
     set_message(component, "written" if len(names) == 1 else f"{len(names)} files written")
     return Write3dmOutputs(tree_at((match.path, None, branch) for match, branch in zip(matches, written)))

@@ -159,3 +159,12 @@ def test_every_mesh_is_written_to_its_path(tmp_path):
     path = str(tmp_path / "all.obj")
     assert placed.run(path=path, cgc_mesh=DataTree(meshes), write=True)["written"] is None
     assert "3 meshes have the path" in placed.said("Error")[0] and not (tmp_path / "all.obj").exists()
+
+
+def test_if_one_file_cannot_be_written_none_is(tmp_path):
+    placed = place("Write3dm")
+    paths = [str(tmp_path / "a.3dm"), str(tmp_path / "folder.3dm")]
+    (tmp_path / "folder.3dm").mkdir()
+    out = placed.run(path=DataTree({(0,): paths}), cgc_mesh=DataTree({(0,): [halves(0), halves(1)]}), write=True)
+    assert out["written"] is None and "folder.3dm" in placed.said("Error")[0]
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.3dm"]
