@@ -20,6 +20,7 @@ from pathlib import Path
 
 from . import gh_evaluator
 from .rhino_classes import Point3d
+from .rhino_classes import PolylineCurve
 from .rhino_classes import modules
 from .rhino_classes import square
 
@@ -144,19 +145,37 @@ def surfaces(canvas, values):
     """Return the meshes of the components that find surfaces."""
     found = []
     for placed in canvas.scripts.values():
-        if placed.container.get("Name") in ("Solve", "Rationalise"):
-            part = next(part for part in placed.outputs if part.get("Name") == "mesh")
+        if {"Solve", "Rationalise", "CGC Dome", "CGC Solve"} & {placed.container.get("Name"), placed.container.get("NickName")}:
+            part = next(part for part in placed.outputs if part.get("Name").lower() == "mesh")
             found += values[part.get("InstanceGuid")]
     return found
 
 
-def opened(path, script):
+def drawn(name):
+    """Return what the note of a definition has its user connect: a square of 9 m, with corners and lines at each third."""
+    corners = [Point3d(x, y, 0.0) for x in (0.0, 9.0) for y in (0.0, 9.0)]
+    if name == "own_mesh":
+        return {"Mesh": [square()], "supports": corners}
+    if name == "hops_dome":
+        return {"Mesh": [square()]}
+    if name == "hops_regions":
+        ends = [((x, 0.0), (x, 9.0)) for x in (3.0, 6.0)] + [((0.0, y), (9.0, y)) for y in (3.0, 6.0)]
+        return {
+            "Mesh": [square()],
+            "supports": corners,
+            "creases": [PolylineCurve([Point3d(*end, 0.0) for end in line]) for line in ends],
+            "points in regions": [Point3d(x, y, 0.0) for x in (1.5, 4.5, 7.5) for y in (1.5, 4.5, 7.5)],
+        }
+    return {}
+
+
+def opened(path, script, server):
     """Open a definition, do what its note says, and return what its user sees."""
     start = time.monotonic()
     canvas = gh_evaluator.Canvas(Reader(path.read_bytes()).part(), script)
-    canvas.set["run"] = [True]
-    if path.stem == "own_mesh":
-        canvas.set.update({"Mesh": [square()], "supports": [Point3d(x, y, 0.0) for x in (0.0, 9.0) for y in (0.0, 9.0)]})
+    canvas.set.update({"run": [True], **drawn(path.stem)})
+    for placed in canvas.scripts.values():
+        placed.server = server
     first = None
     values = canvas.solution()
     while True:
@@ -183,7 +202,7 @@ def opened(path, script):
 LEVELS = ("Error", "Warning")
 
 
-def main(folder, definitions, loaded=()):
+def main(folder, definitions, loaded=(), server=None):
     """Run definitions of the package in a folder, after another plug-in has loaded some packages, and print what happens.
 
     Parameters
@@ -194,6 +213,8 @@ def main(folder, definitions, loaded=()):
         Names.
     loaded
         Requirements that the other plug-in has installed and loaded.
+    server
+        Address of a server for Hops, which encodes geometry with the library of Rhino itself.
     """
     folder = Path(folder)
     (package,) = folder.glob("*.yak")
@@ -203,10 +224,12 @@ def main(folder, definitions, loaded=()):
     for requirement in loaded:
         environments.use("other", [requirement])
         importlib.import_module(requirement.partition("=")[0])
+    if server:
+        environments.use("Rhino", ["rhino3dm"])
     script = script_component(environments)
     for name in definitions:
-        print(json.dumps(opened(folder / "packages" / "examples" / f"{name}.gh", script)), flush=True)
+        print(json.dumps(opened(folder / "packages" / "examples" / f"{name}.gh", script, server)), flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], json.loads(sys.argv[2]), json.loads(sys.argv[3]))
+    main(sys.argv[1], *map(json.loads, sys.argv[2:]))

@@ -20,7 +20,7 @@ from ...support import rhino_session
 
 ROOT = Path(__file__).parents[3]
 COLD = 120.0  # time from opening the first definition to its first surface, with the installation of all packages [s]
-SCRIPTS = [definition.name for definition in EXAMPLES if definition.rhino >= 8]
+NAMES = [definition.name for definition in EXAMPLES]
 
 pytestmark = [pytest.mark.nightly, pytest.mark.timeout(1500)]
 
@@ -65,8 +65,8 @@ def session(python, delivery, tmp_path):
     shutil.copy(next(delivery.glob("*.yak")), rhino)
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "NUMBA", "VIRTUAL_ENV"))}
 
-    def run(names, loaded=()):
-        command = [python, "-m", "simulator.rhino_session", rhino, json.dumps(names), json.dumps(loaded)]
+    def run(names, loaded=(), server=None):
+        command = [python, "-m", "simulator.rhino_session", rhino, *map(json.dumps, (names, loaded, server))]
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         return [json.loads(line) for line in done.stdout.splitlines()]
@@ -74,11 +74,12 @@ def session(python, delivery, tmp_path):
     return run
 
 
-def test_every_definition_runs_from_the_package_and_the_wheel_alone(session):
-    runs = session(SCRIPTS)
+def test_every_definition_runs_from_the_package_and_the_wheel_alone(session, open_server):
+    """Those with Hops need a server besides."""
+    runs = session(NAMES, server=open_server.url)
     for run in runs:
         print(f"{run['name']}: first surface after {run['first surface']:.1f} s, at rest after {run['seconds']:.1f} s")
-    assert [run["name"] for run in runs] == SCRIPTS
+    assert [run["name"] for run in runs] == NAMES
     assert all(run["surfaces"] and not run["Error"] for run in runs), [run for run in runs if run["Error"] or not run["surfaces"]]
     assert all(height > 0.05 for run in runs for _, height in run["surfaces"])
     assert runs[0]["first surface"] <= COLD
@@ -86,7 +87,7 @@ def test_every_definition_runs_from_the_package_and_the_wheel_alone(session):
 
 @pytest.mark.parametrize("version", ["1.21.6", "1.26.4"], ids=["refused", "accepted"])
 def test_an_older_numpy_of_another_plug_in_is_named_in_one_sentence(session, version):
-    (run,) = session(SCRIPTS[:1], [f"numpy=={version}"])
+    (run,) = session(NAMES[:1], [f"numpy=={version}"])
     assert run["Error"] and all(f"another plug-in has loaded numpy {version}, but compas_cgc uses " in text for text in run["Error"])
     assert all(text.endswith("; restart Rhino and open this definition first") for text in run["Error"])
     assert bool(run["surfaces"]) == (version == "1.26.4")

@@ -273,7 +273,8 @@ def grid(n, supports="corners", K=0.01):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("supports", ["corners", "boundary"])
-def test_a_slider_shows_at_least_12_surfaces_in_15_ticks(supports):
+def test_a_slider_shows_a_new_surface_in_at_least_12_of_15_ticks(supports):
+    """A tick lasts 250 ms, and longer where the system gives this process less time for computing than that."""
     problem, placed = grid(60, supports), place("Solve")
     assert len(problem.vertices) == 3721
     document = placed.component.document
@@ -283,21 +284,24 @@ def test_a_slider_shows_at_least_12_surfaces_in_15_ticks(supports):
         time.sleep(0.02)
         document.tick()
         first = placed.run(cgc_mesh=WireMesh(problem), run=True)
-    seen = {id(first["mesh"]): first["mesh"]}
+    seen, shown = [first["mesh"]], 0
     for tick in range(15):
-        wire, end = WireMesh(problem.with_targets(0.01 + 0.0002 * tick)), time.monotonic() + 0.25
-        out = placed.run(cgc_mesh=wire, run=True)
+        wire = WireMesh(problem.with_targets(0.01 + 0.0002 * tick))
+        end, computed = time.monotonic() + 0.25, time.process_time() + 0.25
+        out, before = placed.run(cgc_mesh=wire, run=True), len(seen)
         while True:
-            seen[id(out["mesh"])] = out["mesh"]
-            time.sleep(max(0.0, min(0.1, end - time.monotonic())))
-            if time.monotonic() >= end:
+            if out["mesh"] is not seen[-1]:
+                seen.append(out["mesh"])
+            time.sleep(max(0.01, min(0.1, end - time.monotonic())))
+            if time.monotonic() >= end and (time.process_time() >= computed or out["status"] != "running"):
                 break
             document.tick()
             if placed.component.expired:
                 out = placed.run(cgc_mesh=wire, run=True)
+        shown += len(seen) > before
     placed.run(reset=True)
-    print(f"{supports}: {len(seen) - 1} surfaces in 15 ticks")
-    assert len(seen) - 1 >= 12
+    print(f"{supports}: {len(seen) - 1} surfaces, new ones in {shown} of 15 ticks")
+    assert shown >= 12
 
 
 def vault(n):
