@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Optional
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..model.checks import turns_about
 from ..model.goals.wholes import Unknown
+from ..model.laws import Law
 from ..model.problem import CGCProblem
 from ..model.result import FAILED
 from ..model.roles import FIXED
@@ -86,7 +88,7 @@ def _covered(problem: CGCProblem, drawn: Optional[FloatArray]) -> str:
 def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:
     targets = problem.targets[problem.asked]
     targets = targets[np.isfinite(targets)]
-    laws = list(dict.fromkeys(map(str, problem.laws.values())))
+    laws = list(dict.fromkeys(map(_shortened, problem.laws.values())))
     if not len(targets) and not laws:
         return "no K prescribed"
     parts, count = laws, len(problem.region_targets())
@@ -98,6 +100,11 @@ def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:
         return f"{text} with errors up to {max_error:.2g}"
     found = any(isinstance(own, Unknown) for own in problem.goals)
     return f"{text} (solved for)" if found else f"{text} as prescribed"
+
+
+def _shortened(law: Law) -> str:
+    """Return a law as text, with four digits of its numbers."""
+    return re.sub(r"\d+\.\d+(e[-+]?\d+)?", lambda number: f"{float(number[0]):.4g}", str(law))
 
 
 def _held(problem: CGCProblem) -> str:

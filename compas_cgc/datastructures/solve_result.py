@@ -129,8 +129,7 @@ class SolveResult:
         remarks: Iterable[Diagnostic] = (),
     ) -> SolveResult:
         """Return the result for a solution of a problem."""
-        if solution.targets is not None:
-            problem = problem.with_targets(solution.targets)
+        problem = solution.with_found(problem)
         turned = 0
         if solution.faces is not None:
             turned = int(np.count_nonzero((solution.faces != problem.faces).any(axis=1)))
@@ -227,9 +226,9 @@ class SolveResult:
         mesh.origin = self.problem.origin
         mesh.set_goals(self.problem.goals)
         found = [own.regions for own in self.problem.goals if isinstance(own, Unknown)]
-        for region, K in enumerate(self.problem.region_targets() if found else ()):
-            if K is not None and any(isinstance(regions, str) or region in regions for regions in found):
-                mesh.set_target(K, region=region)
+        for region, law in enumerate(self.problem.region_laws() if found else ()):
+            if law is not None and any(isinstance(regions, str) or region in regions for regions in found):
+                mesh.set_law(law, region=region)
         return mesh
 
     def to_problem(self) -> CGCProblem:

@@ -8,6 +8,8 @@ from ..discrete.arrays import IntArray
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
 from ..meshing.existence import plane_of
+from .goals.binding import finds_constants
+from .goals.binding import unknown_regions
 from .laws import Law
 from .problem import CGCProblem
 from .roles import FIXED
@@ -22,11 +24,17 @@ def law_problems(problem: CGCProblem) -> list[Diagnostic]:
     if not problem.laws:
         return []
     problems = []
-    if problem.goals:
-        text = "goals are met with constant K only; remove the goals, or replace the laws by targets"
+    if problem.goals and not finds_constants(problem):
+        text = (
+            "beside laws other than constant K, goals are heights of vertices, or the height, rise, volume, area or length of the whole "
+            "surface, at most one for each region whose constant is unknown (unknown=[region], --unknown, or the goal Unknown); the "
+            "constant drawn there, such as 0.1 of H = 0.1, is the initial guess and must not be 0"
+        )
         problems.append(Diagnostic(text))
-    regions = problem.regions()
+    regions, unknown = problem.regions(), unknown_regions(problem)
     for region, law in problem.laws.items():
+        if region in unknown:
+            continue
         problems += _region_problems(problem, problem.faces[regions == region], region, law)
     return problems
 

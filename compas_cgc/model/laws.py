@@ -47,7 +47,8 @@ class Law:
 
     H is the mean of the principal curvatures, positive where the surface is convex towards the side of its normals: a dome over
     a plan whose normals point up has H > 0, a sphere with outward normals H = 1/r. A subclass defines the methods below, and
-    nothing else in the package has to know it.
+    nothing else in the package has to know it. A law f = g(H, K) - c whose constant c may be an unknown also defines
+    :attr:`constant` and :meth:`with_constant`.
 
     Examples
     --------
@@ -86,6 +87,20 @@ class Law:
     def normalised(self) -> Law:
         """Return the same law, with first derivatives of order one."""
         return self
+
+    @property
+    def constant(self) -> Optional[Curvature]:
+        """The constant c of a law f = g(H, K) - c, such as h of H = h; None if the law has none. Similarities multiply it."""
+        return None
+
+    @property
+    def constant_name(self) -> str:
+        """The constant in words."""
+        return "c"
+
+    def with_constant(self, constant: float) -> Law:
+        """Return the law with another constant."""
+        raise ValueError(f"the law {self} has no constant")
 
     def discriminant(self, H: FloatArray, K: FloatArray) -> FloatArray:
         r"""Return :math:`f_H^2 + 4 f_H f_K H + 4 f_K^2 K`, whose sign is the type: elliptic > 0, parabolic = 0, hyperbolic < 0.
@@ -148,6 +163,10 @@ class _Linear(Law):
         return largest if largest > 0.0 else abs(float(a)) / math.sqrt(area) + abs(float(b)) / area
 
     @property
+    def constant(self) -> Optional[Curvature]:
+        return self.coefficients[2]
+
+    @property
     def type(self) -> str:
         """``elliptic``, ``parabolic`` or ``hyperbolic`` (a² + 4 b c > 0, = 0, < 0)."""
         discriminant = float(np.max(self.discriminant(np.zeros(1), np.zeros(1))))
@@ -199,6 +218,13 @@ class ConstantCurvature(_Linear):
         """The coefficients 0, 1, k."""
         return 0.0, 1.0, self.k
 
+    @property
+    def constant_name(self) -> str:
+        return "K"
+
+    def with_constant(self, constant: float) -> Law:
+        return ConstantCurvature(constant)
+
     def scaled(self, factor: float) -> ConstantCurvature:
         return ConstantCurvature(self.k / factor**2)
 
@@ -240,6 +266,13 @@ class ConstantMeanCurvature(_Linear):
         """The coefficients 1, 0, h."""
         return 1.0, 0.0, self.h
 
+    @property
+    def constant_name(self) -> str:
+        return "H"
+
+    def with_constant(self, constant: float) -> Law:
+        return ConstantMeanCurvature(constant)
+
     def scaled(self, factor: float) -> Law:
         return ConstantMeanCurvature(self.h / factor)
 
@@ -278,6 +311,13 @@ class Minimal(_Linear):
     def coefficients(self) -> tuple[Curvature, Curvature, Curvature]:
         """The coefficients 1, 0, 0."""
         return 1.0, 0.0, 0.0
+
+    @property
+    def constant_name(self) -> str:
+        return "H"
+
+    def with_constant(self, constant: float) -> Law:
+        return ConstantMeanCurvature(constant) if constant else self
 
     def scaled(self, factor: float) -> Law:
         return self
@@ -324,6 +364,9 @@ class LinearWeingarten(_Linear):
     def coefficients(self) -> tuple[Curvature, Curvature, Curvature]:
         """The coefficients a, b, c."""
         return self.a, self.b, self.c
+
+    def with_constant(self, constant: float) -> Law:
+        return LinearWeingarten(self.a, self.b, constant)
 
     def scaled(self, factor: float) -> Law:
         return LinearWeingarten(self.a * factor, self.b * factor**2, self.c)

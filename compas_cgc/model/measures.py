@@ -80,7 +80,9 @@ def read_across(problem: CGCProblem) -> IntArray:
     They are those of the problem except for faces with three fixed vertices in a corner. There the diagonal is flipped so that
     it runs into the corner, because a face between supports stays flat whatever the surface.
     """
-    return turned_corners(problem.vertices, problem.faces, problem.roles == FIXED, problem.creases)
+    real, faces = problem.real_faces, problem.faces.copy()
+    faces[real] = turned_corners(problem.vertices, faces[real], problem.roles == FIXED, problem.creases)
+    return faces
 
 
 def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
@@ -89,7 +91,8 @@ def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
     Towards a straight fixed edge one principal curvature is unbounded there. Bending energy is infinite and angle defects are of first
     order in the length of edges, whereas the smooth measure is of order 1.5.
     """
+    problem = problem.without_dummies()
     rim = boundary_vertices(problem.vertices, problem.faces)
-    held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
+    held = bool((problem.roles[rim] == FIXED).all() and rim.any())
     targets = problem.targets[problem.asked]
     return held and bool((problem.roles == CREASE).any()) is folded and bool(len(targets) and (targets > 0).all())

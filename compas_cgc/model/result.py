@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 from typing import Optional
 
@@ -9,6 +10,8 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from .laws import Law
+from .problem import CGCProblem
 from .verdict import Verdict
 
 __all__ = ["FAILED", "STATUSES", "Branch", "History", "Solution", "SolveState"]
@@ -78,3 +81,9 @@ class Solution(NamedTuple):
     verdict: Optional[Verdict] = None  # of the surface, None if not judged yet
     faces: Optional[IntArray] = None  # (m, 3) if edges were flipped, None if they are those of the problem
     branches: tuple[Branch, ...] = ()  # that were found, the one returned first
+    laws: Optional[Mapping[int, Law]] = None  # by region including solved unknowns, None if all were given
+
+    def with_found(self, problem: CGCProblem) -> CGCProblem:
+        """Return a problem with the unknown targets and constants of laws that were found for it."""
+        found = problem if self.targets is None else problem.with_targets(self.targets)
+        return found if self.laws is None else found.with_laws(self.laws)

@@ -11,12 +11,12 @@ from typing import Optional
 import numpy as np
 
 from ..discrete import boundary_vertices
+from ..model.goals.binding import finds_constants
 from ..model.goals.binding import held_by_newton
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import FIXED
-from .polish.goal_seeking import finds_curvature
 from .polish.polisher import keeps_shape
 from .registry import METHODS
 from .registry import method_of
@@ -73,7 +73,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         if held_by_newton(problem):
             return [ONE_UNKNOWN, GOALS]
-        return [SOUGHT, GOALS] if finds_curvature(problem) and not is_held_all_round(problem, folded=True) else [GOALS]
+        return [SOUGHT, GOALS] if finds_constants(problem) and not is_held_all_round(problem, folded=True) else [GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]

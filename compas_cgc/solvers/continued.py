@@ -73,9 +73,7 @@ def solved_on(
         return None
     if solution.faces is None:
         show_arrived(callback, solution.vertices)
-    judged = verdict(
-        (drawn if solution.targets is None else drawn.with_targets(solution.targets)).with_vertices(solution.vertices), drawn.vertices
-    )
+    judged = verdict(solution.with_found(drawn).with_vertices(solution.vertices), drawn.vertices)
     message = f"{solution.message}; by the method {first.method}, on from the surface that was found before"
     return solution._replace(method=first.method, verdict=judged, message=message) if judged.fair else None
 

@@ -38,6 +38,8 @@ class Method(NamedTuple):
         It reaches negative K̄.
     any_law
         It takes laws other than constant K.
+    has_dummies
+        It uses the drawn faces outside the surface, which the others are solved without.
 
     Examples
     --------
@@ -53,6 +55,7 @@ class Method(NamedTuple):
     goals: str = "none"  # those that it takes: none, those of the whole surface, or any
     any_sign: bool = False  # it reaches negative K̄
     any_law: bool = False  # it takes laws other than constant K
+    has_dummies: bool = False  # it uses the drawn faces outside the surface
 
     def takes(self, goals: Iterable[Constraint]) -> bool:
         """Return whether it takes goals of these kinds."""

@@ -146,11 +146,14 @@ def solve(
     own = method if chosen is None else method_of(chosen)
     _check_laws(own, posed, chosen)
     _check_constraints(own, posed)
-    of_real = callback and _RealOnly(callback, posed.roles != DUMMY)
     drawn = posed.drawn if own in ("auto", "bending", "projection") else None
     surface, posed = posed, posed if drawn is None else drawn
     diagnostics = check(posed)
     refuse(diagnostics)
+    if own == "auto" or not METHODS[own].has_dummies:
+        # Faces outside a fixed rim would hide that the rim is fixed.
+        posed = posed.without_dummies()
+    of_real = callback and _RealOnly(callback, posed.roles != DUMMY)
     solution = solved_on(surface, posed, own, chosen, of_real) if drawn is not None else None
     if solution is None:
         solution = _run(method, posed, chosen, of_real)
@@ -161,7 +164,7 @@ def solve(
 def _found_for_goals(problem: CGCProblem) -> CGCProblem:
     """Return a problem whose K is to be found where a goal of the whole surface is all that says how high its one region shall be."""
     goals = problem.goals
-    if any(isinstance(goal, Unknown) for goal in goals) or not any(is_of_whole(goal) for goal in goals):
+    if problem.laws or any(isinstance(goal, Unknown) for goal in goals) or not any(is_of_whole(goal) for goal in goals):
         return problem
     known = not np.isnan(problem.targets[problem.asked]).all() or problem.regions()[problem.real_faces].any()
     return problem if known else problem.with_goals([Unknown()])

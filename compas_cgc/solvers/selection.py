@@ -89,7 +89,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         solution = allowed.solved(run)
         tried.append((solution, choice))
         if solution.status == "converged":
-            asked = problem if solution.targets is None else problem.with_targets(solution.targets)
+            asked = solution.with_found(problem)
             show_arrived(callback, solution.vertices)
             judged = solution.verdict or verdict(asked.with_vertices(solution.vertices), problem.vertices)
             solution = solution._replace(verdict=judged)
@@ -115,7 +115,7 @@ def _closed(problem: CGCProblem, found: Solution, settings: Settings, callback: 
     """Return the nearest surface to one that was found whose triangles are congruent to those of its moulds."""
     if found.status != "converged":
         return found
-    asked = problem if found.targets is None else problem.with_targets(found.targets)
+    asked = found.with_found(problem)
     method, options = METHODS["projection"], {"keep": "shape"}
     own = run_method(method, asked.with_vertices(found.vertices), settings=settings, options=options, callback=callback)
     judged = verdict(asked.with_vertices(own.vertices), problem.vertices)

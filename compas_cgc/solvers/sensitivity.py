@@ -1,8 +1,9 @@
-"""What a little more K does to a solved surface."""
+"""What a little more K, or of the constant of another law, does to a solved surface."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import replace
 from functools import partial
@@ -27,6 +28,9 @@ from ..linalg import factorise
 from ..model.goals import measures
 from ..model.goals.binding import bind
 from ..model.goals.binding import support_height
+from ..model.laws import ConstantCurvature
+from ..model.laws import Curvature
+from ..model.laws import Law
 from ..model.measures import read_across
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
@@ -47,22 +51,24 @@ Moves = Callable[[FloatArray], FloatArray]  # of the vertices (n, 3), to first o
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Derivatives of a solved surface by the K of its regions.
+    """Derivatives of a solved surface by the constants of its regions: K, or that of another law, such as h of H = h.
 
     Parameters
     ----------
     regions
-        ``(r,)`` numbers of the regions in which K is asked.
+        ``(r,)`` numbers of the regions in which a law is prescribed.
     targets
-        ``(r,)`` their K [1/L^2].
+        ``(r,)`` their K [1/L^2], or the constants of their other laws.
     moves
-        ``(r, n, 3)`` dx/dK of every vertex [L^3].
+        ``(r, n, 3)`` dx/dK of every vertex [L^3], of other laws per unit of their constants.
     height
         ``(r,)`` dz/dK of the highest vertex [L^3].
     volume
         ``(r,)`` dV/dK of the volume over the mean height of the supports [L^5].
     area
         ``(r,)`` dA/dK of the area [L^4].
+    laws
+        ``(r,)`` laws of the regions.
     units
         Unit system of the drawing, None where it has none.
     """
@@ -74,6 +80,7 @@ class Sensitivity:
     volume: FloatArray
     area: FloatArray
     size: float
+    laws: tuple[Law, ...]
     units: Optional[str] = None
 
     def sentences(self) -> list[str]:
@@ -89,10 +96,10 @@ class Sensitivity:
         return {"regions": list(self.regions), **columns, "sentences": self.sentences()}
 
     def _sentence(self, number: int) -> str:
-        K = float(self.targets[number])
-        more = 0.01 * abs(K) if K else 0.01 / self.size**2
-        what = "1 % more K" if K > 0 else "1 % more negative K" if K < 0 else f"{more:.3g} more K"
-        lift = float(self.height[number]) * (-more if K < 0 else more)
+        c, law = float(self.targets[number]), self.laws[number]
+        more, name = 0.01 * law.scale(self.size**2), law.constant_name
+        what = f"1 % more {name}" if c > 0 else f"1 % more negative {name}" if c < 0 else f"{more:.3g} more {name}"
+        lift = float(self.height[number]) * (-more if c < 0 else more)
         where = "" if len(self.regions) == 1 else f" in region {self.regions[number]}"
         if abs(lift) <= NONE * self.size:
             return f"{what}{where} leaves the crown where it is"
@@ -103,7 +110,7 @@ class Sensitivity:
 
 @names_what_was_meant()
 def sensitivity(result: SolveResult) -> Sensitivity:
-    r"""Return the derivatives of a solved surface, of its height, volume and area by the K of every region.
+    r"""Return the derivatives of a solved surface, of its height, volume and area by the K of every region, or the constant of its law.
 
     Of the fairest surface they follow from its optimality system,
 
@@ -151,10 +158,12 @@ def sensitivity(result: SolveResult) -> Sensitivity:
         raise ProblemError([f"there are no derivatives of a surface by the method {result.method}; solve it by bending"])
     problem = result.problem
     label = problem.regions()
-    numbers = [region for region in range(int(label.max(initial=-1)) + 1) if (problem.region_vertices(region) & problem.asked).any()]
-    groups = {region: np.flatnonzero(problem.region_vertices(region) & problem.asked) for region in numbers}
+    groups = {region: np.flatnonzero(problem.region_vertices(region) & problem.asked) for region in range(int(label.max(initial=-1)) + 1)}
+    numbers = [region for region, group in groups.items() if len(group) or _law_constant(problem, region) is not None]
+    groups = {region: groups[region] for region in numbers}
+    laws = tuple(problem.laws.get(region) or ConstantCurvature(float(problem.targets[groups[region]].mean())) for region in numbers)
     if result.method == "bending":
-        found = _by_bending(result, groups)
+        found = _by_bending(result, numbers)
     elif result.method == "newton":
         found = _by_newton(problem, groups, result.measure == "smooth")
     else:
@@ -165,25 +174,31 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     top = int(np.argmax(x[:, 2]))
     return Sensitivity(
         tuple(numbers),
-        np.array([float(problem.targets[groups[region]].mean()) for region in numbers]),
+        np.array([law.constant for law in laws], dtype=np.float64),
         moves,
         moves[:, top, 2],
         np.einsum("rnx,nx->r", moves, measures.volume_gradient(x, faces, level)),
         np.einsum("rnx,nx->r", moves, measures.area_gradient(x, faces)),
         float(np.sqrt(measures.area(x, faces))),
+        laws,
         problem.drawing.units,
     )
 
 
-def _by_bending(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dict[int, FloatArray]:
-    """Return dx/dK by region of the surface that bends and folds least."""
-    from .polish.derivatives import moves_by_curvature
+def _law_constant(problem: CGCProblem, region: int) -> Optional[Curvature]:
+    """Return the constant of the law of a region other than constant K, None without any."""
+    return problem.laws[region].constant if region in problem.laws else None
+
+
+def _by_bending(result: SolveResult, regions: Sequence[int]) -> dict[int, FloatArray]:
+    """Return the derivatives by the constants of regions of the surface that bends and folds least."""
+    from .polish.derivatives import moves_by_constants
     from .polish.settings import PolishSettings
 
     if result.start is None:
         raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
     settings = result.settings if isinstance(result.settings, PolishSettings) else PolishSettings()
-    return moves_by_curvature(result.problem.with_vertices(result.start), settings, result.vertices, groups)
+    return moves_by_constants(result.problem.with_vertices(result.start), settings, result.vertices, regions)
 
 
 def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool) -> dict[int, FloatArray]:

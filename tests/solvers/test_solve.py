@@ -15,12 +15,15 @@ from compas_cgc import ProjectionSettings
 from compas_cgc import solve
 from compas_cgc.analysis import analyse
 from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.model.measures import is_held_all_round
+from compas_cgc.model.measures import read_across
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import DUMMY
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
+from compas_cgc.paper.examples import example2
 from compas_cgc.paper.examples import example3
 from compas_cgc.paper.examples import example4
 from compas_cgc.solvers.choices import choose
@@ -318,6 +321,18 @@ def test_a_callback_sees_the_vertices_of_the_model_and_none_that_carry_a_free_ed
     if solution.status == "cancelled":
         moved = problem.roles[real] == INTERNAL
         assert np.abs(seen[-1] - solution.vertices)[moved].max() < np.abs(seen[0] - problem.vertices[real])[moved].max()
+
+
+def test_faces_outside_a_fixed_rim_change_nothing():
+    mesh = example2()[0]
+    drawn, real = mesh.to_problem(), mesh.to_problem().without_dummies()
+    assert is_held_all_round(drawn) and len(drawn.vertices) > len(real.vertices)
+    faces = read_across(drawn)[drawn.real_faces]
+    places, same = drawn.vertices[faces], real.vertices[read_across(real)]
+    assert np.array_equal(places, same)  # the same corners are turned
+    one, other = solve(mesh), solve(real)
+    assert one.method == other.method == "newton"
+    assert np.array_equal(one.vertices, other.vertices)
 
 
 def test_settings_and_constraints_of_another_method_are_refused_in_words():

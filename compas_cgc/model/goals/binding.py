@@ -22,6 +22,7 @@ from ..constraints import Height
 from ..constraints import PositionConstraint
 from ..constraints import indices
 from ..problem import CGCProblem
+from ..roles import DUMMY
 from ..roles import FIXED
 from ..roles import FREE
 from . import measures
@@ -37,7 +38,18 @@ from .wholes import Rise
 from .wholes import Unknown
 from .wholes import Volume
 
-__all__ = ["BoundGoals", "Equation", "Side", "bind", "held_by_newton", "support_height", "unknown_regions"]
+__all__ = [
+    "BoundGoals",
+    "Equation",
+    "Side",
+    "bind",
+    "equations_for_constants",
+    "finds_constants",
+    "has_constants",
+    "held_by_newton",
+    "support_height",
+    "unknown_regions",
+]
 
 DIFFERENCE_STEP = 1e-5  # step of a difference quotient in the local frame
 
@@ -287,3 +299,50 @@ def held_by_newton(problem: CGCProblem) -> bool:
     upwards = not (targets < 0).any() and all(own.rise > 0 for own in goals if isinstance(own, Rise))
     whole = len(mine) == len(problem.goals) and len(goals) == 1 and len(mine) > 1
     return whole and held and upwards and not len(problem.creases) and len(unknown_regions(problem)) == 1
+
+
+def equations_for_constants(problem: CGCProblem) -> list[Equation]:
+    """Return the equations that determine unknown constants: of the whole surface, and one for every vertex with a height.
+
+    Raises
+    ------
+    ProblemError
+        If a goal names vertices or regions that do not exist.
+    """
+    bound = bind(problem)
+    heights = [own for own in bound.places if isinstance(own, Height)]
+    vertices = [(own, vertex) for own in heights for vertex in indices(own.vertices, len(problem.vertices)).tolist()]
+    return [*bound.equations, *(_height_at(own.height, vertex) for own, vertex in vertices)]
+
+
+def _height_at(height: float, vertex: int) -> Equation:
+    def gradient(vertices: FloatArray) -> FloatArray:
+        result = np.zeros_like(vertices)
+        result[vertex, 2] = 1.0
+        return result
+
+    return Equation(f"the height {height:.6g} of vertex {vertex}", height, 1, lambda vertices: float(vertices[vertex, 2]), gradient)
+
+
+def finds_constants(problem: CGCProblem) -> bool:
+    """Check whether unknown constants, K or those of laws, alone can meet the goals.
+
+    All goals are then heights of vertices or quantities of the whole surface, at most one for each region with an unknown constant,
+    whose sign is drawn. The sign of a single undrawn K is that of a dome.
+    """
+    unknown, bound = unknown_regions(problem), bind(problem)
+    if bound.sides or (problem.roles == DUMMY).any() or not all(isinstance(own, Height) for own in bound.places):
+        return False
+    if not 0 < len(equations_for_constants(problem)) <= len(unknown):
+        return False
+    return has_constants(problem) or (len(unknown) == 1 and unknown[0] not in problem.laws)
+
+
+def has_constants(problem: CGCProblem) -> bool:
+    """Check whether K is drawn in every region without another law, and all unknown constants are drawn and not zero."""
+    if not np.isfinite(problem.targets[problem.asked]).all():
+        return False
+    unknown = unknown_regions(problem)
+    of_laws = [problem.laws[region].constant for region in unknown if region in problem.laws]
+    of_targets = (problem.targets[problem.region_vertices(region)] for region in unknown if region not in problem.laws)
+    return all(of_laws) and all((K != 0.0).all() for K in of_targets)

@@ -153,7 +153,7 @@ class Length(Whole):
 
 @dataclass(frozen=True)
 class Unknown(Constraint):
-    """Regions whose K is an unknown of the solve.
+    """Regions whose K, or the constant of whose law, such as h of H = h, is an unknown of the solve. The value drawn there is a guess.
 
     Parameters
     ----------

@@ -28,4 +28,5 @@ METHOD = Method(
     "The paper's filtered Gaussian curvature flow with crease strategies, for K̄ >= 0; Newton's method refines the result.",
     FlowSettings,
     _solve,
+    has_dummies=True,
 )

@@ -30,4 +30,5 @@ METHOD = Method(
     NewtonSettings,
     _solve,
     goals="whole",
+    has_dummies=True,
 )

@@ -1,8 +1,9 @@
-"""K of regions where it is unknown: Newton's method along the branch of least bending until the goals are met."""
+"""Unknown K or constants of laws of regions: Newton's method along the branch of least bending until the goals are met."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 from typing import Optional
@@ -12,35 +13,38 @@ import numpy as np
 from ...discrete import face_areas
 from ...discrete import face_normals
 from ...discrete.arrays import FloatArray
-from ...discrete.arrays import IntArray
 from ...errors import ProblemError
 from ...model.goals.binding import Equation
-from ...model.goals.binding import bind
+from ...model.goals.binding import equations_for_constants
+from ...model.goals.binding import finds_constants
+from ...model.goals.binding import has_constants
 from ...model.goals.binding import unknown_regions
 from ...model.goals.contradictions import refuse_impossible
 from ...model.goals.guess import guessed
+from ...model.goals.names import listed
 from ...model.goals.wholes import Rise
+from ...model.laws import ConstantCurvature
+from ...model.laws import Law
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.result import Solution
-from ...model.roles import DUMMY
-from .derivatives import moves_by_curvature
+from .derivatives import moves_by_constants
 from .polisher import polish
 from .settings import PolishSettings
 
-__all__ = ["finds_curvature", "seek"]
+__all__ = ["seek"]
 
-MOST, FIRST = 30, 8  # steps in K, and halvings of the K drawn until a first surface is found
+MOST, FIRST = 30, 8  # steps in the constants, and halvings of those drawn until a first surface is found
 NEAR = 1e-6  # of a goal, against the power of the size that it has, from which a move to first order leads to rounding
-LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of log |K| in a step
+LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of the logarithm of a constant in a step
 DECREASE = 1e-2  # part of the expected decrease that a step must bring
-FLAT = 1e-12  # derivatives of the goals by log |K|, relative to the size, up to which the goals do not depend on K
+FLAT = 1e-12  # derivatives of the goals by the logarithms, relative to the size, up to which they do not depend on the constants
 
 
 class _Here(NamedTuple):
-    """A surface for some K, and by how much it misses the goals."""
+    """A surface for some constants, and by how much it misses the goals."""
 
-    logs: FloatArray  # (k,) log of K over that drawn, by unknown region
+    logs: FloatArray  # (k,) log of the constant over that drawn, by unknown region
     solution: Solution
     missing: FloatArray  # (e,) values less those wanted, over the power of the size
 
@@ -49,26 +53,16 @@ class _Here(NamedTuple):
         return float(np.linalg.norm(self.missing))
 
 
-def finds_curvature(problem: CGCProblem) -> bool:
-    """Return whether all goals are quantities of the whole surface, no more of them than regions of unknown K, whose signs are drawn.
-
-    The sign of a single undrawn K is that of a dome.
-    """
-    unknown, bound = unknown_regions(problem), bind(problem)
-    plain = not bound.places and not bound.sides and not (problem.roles == DUMMY).any() and not problem.laws
-    return plain and 0 < len(bound.equations) <= len(unknown) and (len(unknown) == 1 or _has_targets(problem))
-
-
 def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = None) -> Solution:
-    """Return the surface of least bending whose K in regions of unknown K meets the goals of the whole surface.
+    """Return the surface of least bending whose unknown constants, K or those of laws such as H of H = 0.1, meet the goals.
 
-    The sign of K is that drawn. With fewer goals than unknown K these change as little as possible, by factors. Every
-    step solves for the change of log |K| with the exact derivatives of the surface by K, and follows the branch from there.
+    The sign of a constant is that drawn. With fewer goals than unknown constants these change as little as possible, by factors. Every
+    step solves for the change of their logarithms with the exact derivatives of the surface, and follows the branch from there.
 
     Parameters
     ----------
     problem
-        With goals of the whole surface, and regions of unknown K whose targets are the initial guess.
+        With heights of vertices or goals of the whole surface, and regions of unknown constants, drawn as the initial guess.
     settings
         As for :func:`polish`.
     callback
@@ -77,27 +71,27 @@ def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = Non
     Raises
     ------
     ProblemError
-        If there are other goals, or more goals than regions of unknown K.
+        If there are other goals, or more goals than unknown constants.
     """
     refuse_impossible(problem)
-    if not finds_curvature(problem):
-        kinds = "goals of the whole surface alone, at most one for each region of unknown K, whose initial guess is drawn"
+    if not finds_constants(problem):
+        kinds = "heights and goals of the whole surface alone, at most one for each region of unknown K, whose initial guess is drawn"
         raise ProblemError([f"the method bending takes {kinds}; use the method projection, or auto"])
     return _Seeker(problem, settings, callback).run()
 
 
 class _Seeker:
-    """Surfaces for ever other K."""
+    """Surfaces for ever other constants."""
 
     def __init__(self, problem: CGCProblem, settings: PolishSettings, callback: Callback):
         self.settings, self.callback = settings, callback
-        self.equations: tuple[Equation, ...] = bind(problem).equations
+        self.equations: list[Equation] = equations_for_constants(problem)
         self.size = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()))
-        drawn = problem if _has_targets(problem) else guessed(problem)
+        drawn = problem if has_constants(problem) else guessed(problem)
         drawn = replace(drawn, goals=())
-        self.problem = drawn.flipped() if _is_against_normals(problem) else drawn
+        self.below = _is_against_normals(problem)
+        self.problem = replace(drawn.flipped(), laws=_mirrored(drawn.laws)) if self.below else drawn
         self.numbers = unknown_regions(problem)
-        self.regions: list[IntArray] = [np.flatnonzero(problem.region_vertices(number)) for number in self.numbers]
         self.steps, self.seconds = 0, 0.0
 
     def run(self) -> Solution:
@@ -114,10 +108,10 @@ class _Seeker:
             if after.solution.status == "cancelled":
                 return self._ended(after, "cancelled", after.solution.message)
             here = after
-        return self._ended(here, "step_limit", f"K was not found in {MOST} steps: {self._reached(here)}")
+        return self._ended(here, "step_limit", f"the unknown constants were not found in {MOST} steps: {self._reached(here)}")
 
     def _at(self, logs: FloatArray, start: Optional[FloatArray]) -> _Here:
-        """Return the surface for logs of K (k,), from another (n, 3) if there is one."""
+        """Return the surface for logarithms of the constants (k,), from another (n, 3) if there is one."""
         posed = self._posed(logs)
         solution = polish(posed, settings=self.settings, start=start, callback=self.callback)
         self.steps, self.seconds = self.steps + solution.iterations, self.seconds + solution.seconds
@@ -129,8 +123,8 @@ class _Seeker:
         return _Here(logs, solution, self._missing(solution.vertices))
 
     def _first(self) -> _Here:
-        """Return a surface for the K drawn, or for a smaller one if there is none."""
-        logs = np.zeros(len(self.regions))
+        """Return a surface for the constants drawn, or for smaller ones if there is none."""
+        logs = np.zeros(len(self.numbers))
         here = self._at(logs, None)
         for _ in range(FIRST):
             if here.solution.status in ("converged", "cancelled"):
@@ -140,10 +134,10 @@ class _Seeker:
         return here
 
     def _change(self, here: _Here) -> tuple[FloatArray, list[FloatArray]]:
-        """Return the change of log |K| (k,) of Newton's method, zero where the goals do not depend on K, and the moves (n, 3) by each."""
+        """Return the changes of the logarithms (k,) by Newton's method, zero without influence on the goals, and the moves (n, 3) by each."""
         posed, V = self._posed(here.logs), here.solution.vertices
-        moves = moves_by_curvature(posed, self.settings, V, dict(enumerate(self.regions)))
-        by_log = [moves[k] * posed.targets[group[0]] for k, group in enumerate(self.regions)]
+        moves = moves_by_constants(posed, self.settings, V, self.numbers)
+        by_log = [moves[number] * constant for number, (_, constant) in zip(self.numbers, self._constants(posed))]
         J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
         change = -np.linalg.pinv(J) @ here.missing if np.abs(J).max() > FLAT else np.zeros(len(by_log))
         return change, by_log
@@ -175,39 +169,62 @@ class _Seeker:
         return None
 
     def _posed(self, logs: FloatArray) -> CGCProblem:
-        targets = self.problem.targets.copy()
-        for log, group in zip(logs.tolist(), self.regions):
-            targets[group] *= math.exp(log)
-        return replace(self.problem, targets=targets)
+        targets, laws = self.problem.targets.copy(), dict(self.problem.laws)
+        for log, number in zip(logs.tolist(), self.numbers):
+            if number in laws:
+                laws[number] = laws[number].with_constant(laws[number].constant * math.exp(log))
+            else:
+                targets[self.problem.region_vertices(number)] *= math.exp(log)
+        return replace(self.problem, targets=targets, laws=laws)
+
+    def _constants(self, posed: CGCProblem) -> list[tuple[str, float]]:
+        """Return the names and values of the unknown constants."""
+        found = []
+        for number in self.numbers:
+            law = posed.laws.get(number) or ConstantCurvature(float(posed.targets[posed.region_vertices(number)][0]))
+            found.append((law.constant_name, law.constant))
+        return found
 
     def _missing(self, vertices: FloatArray) -> FloatArray:
         return np.array([(own.value(vertices) - own.wanted) / self.size**own.power for own in self.equations])
 
     def _ended(self, here: _Here, status: str, message: str) -> Solution:
-        targets = self._posed(here.logs).targets
+        posed = self._posed(here.logs)
+        laws = _mirrored(posed.laws) if self.below else posed.laws
         judged = here.solution.verdict if status == "converged" else None
         return here.solution._replace(
-            status=status, message=message, iterations=self.steps, seconds=self.seconds, targets=targets, verdict=judged
+            status=status, message=message, iterations=self.steps, seconds=self.seconds, targets=posed.targets, laws=laws, verdict=judged
         )
 
     def _names(self) -> str:
         return " and ".join(own.name for own in self.equations)
 
     def _found(self, here: _Here) -> str:
-        found = [float(self._posed(here.logs).targets[group[0]]) for group in self.regions]
+        found = self._constants(self._posed(here.logs))
         if len(found) == 1:
-            return f"K = {found[0]:.6g} was found for region {self.numbers[0]}"
-        return f"K from {min(found):.4g} to {max(found):.4g} was found for {len(found)} regions"
+            name, value = found[0]
+            return f"{name} = {value:.6g} was found for region {self.numbers[0]}"
+        if len({name for name, _ in found}) > 1:
+            each = [f"{name} = {value:.4g} for region {number}" for number, (name, value) in zip(self.numbers, found)]
+            return f"{listed(each)} were found"
+        values = [value for _, value in found]
+        return f"{found[0][0]} from {min(values):.4g} to {max(values):.4g} was found for {len(found)} regions"
 
     def _reached(self, here: _Here) -> str:
         values = ", ".join(f"{own.value(here.solution.vertices):.4g} instead of {own.wanted:.4g}" for own in self.equations)
-        K = [f"{self._posed(here.logs).targets[group[0]]:.4g}" for group in self.regions]
-        return f"for {self._names()} the surface reaches {values}, with K = {', '.join(K)}"
+        constants = ", ".join(f"{name} = {value:.4g}" for name, value in self._constants(self._posed(here.logs)))
+        return f"for {self._names()} the surface reaches {values}, with {constants}"
 
     def _unreachable(self, here: _Here) -> str:
-        sign = "K > 0" if self.problem.targets[self.regions[0][0]] > 0.0 else "K < 0"
-        mend = "ask for a value that is reached, or draw K of the other sign"
+        name, value = self._constants(self.problem)[0]
+        sign = f"{name} {'>' if value > 0.0 else '<'} 0"
+        mend = f"prescribe a value that is reached, or draw {name} with the other sign"
         return f"no surface over these supports with {sign} meets the goals: {self._reached(here)}; {mend}"
+
+
+def _mirrored(laws: Mapping[int, Law]) -> dict[int, Law]:
+    """Return the laws of the same surfaces with the opposite normals, by region."""
+    return {region: law.scaled(-1.0) for region, law in laws.items()}
 
 
 def _is_fair(here: _Here) -> bool:
@@ -219,9 +236,3 @@ def _is_against_normals(problem: CGCProblem) -> bool:
     rises = [own.rise for own in problem.goals if isinstance(own, Rise)]
     normal = float(face_areas(problem.vertices, problem.faces) @ face_normals(problem.vertices, problem.faces)[:, 2])
     return any(rise * normal < 0.0 for rise in rises)
-
-
-def _has_targets(problem: CGCProblem) -> bool:
-    """Return whether K is drawn in every region, and is not zero where it is unknown."""
-    drawn = np.isfinite(problem.targets[problem.asked]).all()
-    return bool(drawn and all((problem.targets[problem.region_vertices(region)] != 0.0).all() for region in unknown_regions(problem)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from ...model.roles import FIXED
 from ...model.visible import on_held_edges
 from .lagrangian import Lagrangian
 
-__all__ = ["move_directions", "pair_laws", "pair_targets", "posed"]
+__all__ = ["move_directions", "pair_laws", "pair_rates", "pair_targets", "posed"]
 
 FACING = 0.3  # component of the normals of faces along the mean normal, from which a drawing has a plan
 SMOOTHINGS = 10  # of the normals of a drawing that has none
@@ -86,3 +87,14 @@ def pair_laws(problem: CGCProblem, mesh: MidEdgeMesh) -> tuple[IntArray, Piecewi
     laws: list[Law] = [ConstantCurvature(targets[of == 0]), *others]
     used, index = np.unique(of[rows], return_inverse=True)
     return rows, Piecewise([laws[number] for number in used] or laws[:1], index.ravel())
+
+
+def pair_rates(problem: CGCProblem, mesh: MidEdgeMesh, rows: IntArray, region: int) -> FloatArray:
+    """Return the derivatives (r,) of the constants of equations at pairs (r,) by the constant of a region, all in the same units."""
+    of_law = mesh.pairs[rows, 1] == region
+    if region in problem.laws:
+        return of_law.astype(np.float64)
+    rate = np.where(np.isfinite(problem.targets), 0.0, np.nan)
+    rate[problem.region_vertices(region) & problem.asked] = 1.0
+    rates = np.nan_to_num(pair_targets(replace(problem, targets=rate), mesh)[rows])
+    return np.where(np.isin(mesh.pairs[rows, 1], list(problem.laws)), 0.0, rates)

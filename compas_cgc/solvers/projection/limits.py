@@ -94,7 +94,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
 def _is_fair(problem: CGCProblem, solution: Solution) -> bool:
     """Return whether somebody would build a solution, whose K is that asked for or the one that was found."""
     posed = problem.with_vertices(solution.vertices)
-    return verdict(posed if solution.targets is None else replace(posed, targets=solution.targets)).fair
+    return verdict(solution.with_found(posed)).fair
 
 
 def _carrying(problem: CGCProblem, goal: Constraint, had: float) -> str:
