@@ -134,7 +134,7 @@ class _Seeker:
         return here
 
     def _change(self, here: _Here) -> tuple[FloatArray, list[FloatArray]]:
-        """Return the changes of the logarithms (k,) by Newton's method, zero without influence on the goals, and the moves (n, 3) by each."""
+        """Return the changes of the logarithms (k,) by Newton's method, zero where goals do not depend on them, and the moves (n, 3)."""
         posed, V = self._posed(here.logs), here.solution.vertices
         moves = moves_by_constants(posed, self.settings, V, self.numbers)
         by_log = [moves[number] * constant for number, (_, constant) in zip(self.numbers, self._constants(posed))]
