@@ -234,9 +234,10 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         worst = int(np.argmax(pointed.turns))
         at, turn = pointed.vertices[worst], np.degrees(pointed.turns[worst])
         support = "the support at " if problem.roles[at] == FIXED else ""
+        change = "supports or creases" if len(problem.creases) else "supports"
         reasons.append(
             f"it has a sharp tip of {turn:.0f} degrees at {support}vertex {problem.names.vertices[at]}, where K is "
-            f"{pointed.found[worst]:.3g} (set a smaller |K|, or change the supports or creases there)"
+            f"{pointed.found[worst]:.3g} (set a smaller |K|, or change the {change} there)"
         )
     lowest, deep = dip(problem, measured)
     if lowest >= 0:

@@ -78,7 +78,7 @@ def dask_cluster(workers: int = 2, **how):
         cluster.end()
 
 
-def until(condition, seconds: float = 60.0) -> None:
+def until(condition, seconds: float = 300.0) -> None:
     """Wait for something."""
     end = time.monotonic() + seconds
     while not condition():
