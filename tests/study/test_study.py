@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -241,29 +240,30 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path):
     assert killed and files(tmp_path / "killed") == files(tmp_path / "whole")
 
 
+# A command that ends, as by a kill, once 60 variants are in the table.
+ENDED = """
+import importlib, os, sys
+from compas_cgc.cli import main
+run = importlib.import_module("compas_cgc.study.run")
+study = run.run_study
+run.run_study = lambda *args, **more: study(*args, **{**more, "on_progress": lambda state: state.done >= 60 and os._exit(9)})
+sys.exit(main(sys.argv[1:]))
+"""
+
+
 @pytest.mark.nightly
 def test_a_study_that_is_killed_at_40_percent_goes_on_to_the_same_table(tmp_path):
     write(tmp_path / "roof.json", grid())
     (tmp_path / "study.toml").write_text("[parameters]\nK = { from = 0.004, to = 0.02, count = 150 }\n", encoding="utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "compas_cgc",
-        "study",
-        str(tmp_path / "roof.json"),
-        str(tmp_path / "study.toml"),
-        "--no-pictures",
-        "-q",
-    ]
-    assert subprocess.run([*command, "-o", str(tmp_path / "whole"), "--workers", "1"]).returncode == 0
-    process = subprocess.Popen([*command, "-o", str(tmp_path / "killed"), "--workers", "2"])
-    table = tmp_path / "killed" / "table.csv"
-    while process.poll() is None and not (table.exists() and table.read_bytes().count(b"\n") > 60):
-        time.sleep(0.01)
-    process.kill()
-    process.wait()
+    words = ["study", str(tmp_path / "roof.json"), str(tmp_path / "study.toml"), "--no-pictures", "-q"]
+
+    def run(name, workers, *python):
+        return subprocess.run([sys.executable, *python, *words, "-o", str(tmp_path / name), "--workers", workers]).returncode
+
+    assert run("whole", "1", "-m", "compas_cgc") == 0
+    assert run("killed", "2", "-c", ENDED) == 9
     assert 60 <= len(Results(tmp_path / "killed")) < 150
-    assert subprocess.run([*command, "-o", str(tmp_path / "killed"), "--workers", "2"]).returncode == 0
+    assert run("killed", "2", "-m", "compas_cgc") == 0
     assert files(tmp_path / "killed") == files(tmp_path / "whole")
 
 
