@@ -13,6 +13,7 @@ from typing import Any
 import drawings
 import numpy as np
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from scipy.spatial import Delaunay
 
 from compas_cgc import Above
@@ -20,6 +21,8 @@ from compas_cgc import CGCMesh
 from compas_cgc import EdgeInPlan
 from compas_cgc import Rise
 from compas_cgc import fabrication
+from compas_cgc import get
+from compas_cgc import read
 from compas_cgc import write
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
@@ -79,6 +82,44 @@ def moulds() -> None:
     )
     figure.set_dpi(110)
     save(figure, DOCS / "images" / "moulds.png")
+
+
+def _domes() -> dict[str, tuple[Any, float]]:
+    """Return the domes of the table of plane quads, solved, and the spacings of their lines."""
+    x, y = (CGCMesh.from_meshgrid(dx=2.0, nx=30).to_problem().vertices[:, :2] - 1.0).T
+    oval = CGCMesh.from_meshgrid(dx=2.0, nx=30).to_problem()
+    plan = np.column_stack([9.0 * x * np.sqrt(1.0 - y**2 / 2.0), 6.0 * y * np.sqrt(1.0 - x**2 / 2.0), 0.0 * x])
+    corners = CGCMesh.from_meshgrid(dx=15.0, nx=36)
+    corners.set_supports("corners")
+    corners.set_target(0.01)
+    return {
+        "cushion sample, 6 x 4 m": (solve(read(get("cushion.3dm"))), 0.6),
+        "oval, 18 x 12 m, K = 0.008": (solve(oval.with_vertices(plan).with_supports("boundary").with_targets(0.008)), 1.2),
+        "15 m on four points, K = 0.01": (solve(corners), 1.2),
+    }
+
+
+def quads() -> None:
+    """Draw plane quads on three domes, and print the rows of their table."""
+    figure = Figure(figsize=(10, 3.6), dpi=110)
+    for place, (name, (surface, spacing)) in enumerate(_domes().items()):
+        own = fabrication.plane_quads(surface, spacing)
+        mm = 1e3
+        off, twist = mm * own.off, mm * own.twist
+        print(
+            f"| {name} | {spacing:g} m | {len(own.faces)} | {mm * own.planarity.max():.1g} mm | {np.median(off):.2g}, {off.max():.2g} mm "
+            f"| {np.median(twist):.2g}, {twist.max():.2g} mm |"
+        )
+        ax: Any = figure.add_subplot(1, 3, place + 1, projection="3d", proj_type="ortho")
+        ax.add_collection3d(Poly3DCollection([own.vertices[face] for face in own.faces], facecolor="#a9c4e4", edgecolor="#333333", lw=0.6))
+        ax.scatter(*own.vertices[own.irregular].T, color="#c03020", s=14, depthshade=False)
+        low, high = own.vertices.min(axis=0), own.vertices.max(axis=0)
+        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+        ax.set_box_aspect(high - low, zoom=1.05)
+        ax.view_init(50, -65)
+        ax.set_axis_off()
+        ax.set_title(name, fontsize=9)
+    save(figure, DOCS / "images" / "quads.png")
 
 
 def convention() -> None:
@@ -255,7 +296,7 @@ def samples() -> None:
         write(DOCS.parent / "compas_cgc" / "_sample_files" / f"{name}.3dm", mesh)
 
 
-PARTS = (fairness, convention, moulds, goals, laws, courts, freeform, reproduction)
+PARTS = (fairness, convention, moulds, quads, goals, laws, courts, freeform, reproduction)
 
 if __name__ == "__main__":
     for part in [*map(globals().get, sys.argv[1:])] or PARTS:

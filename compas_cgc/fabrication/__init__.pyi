@@ -18,4 +18,6 @@ from .panelling import panels as panels
 from .patterns import Patterns as Patterns
 from .piece_list import cut_list as cut_list
 from .plane_layout import unfold as unfold
+from .quads import PlaneQuads as PlaneQuads
+from .quads import plane_quads as plane_quads
 from .unrolling import unroll as unroll

@@ -19,6 +19,7 @@ from .membrane_state import forces_at_vertices
 from .mould_report import MouldReport
 from .mould_surface import cap_mesh
 from .patterns import Patterns
+from .quads import PlaneQuads
 
 __all__ = ["build_data", "plain"]
 
@@ -148,6 +149,28 @@ def _net(problem: CGCProblem, net: CurveNet) -> dict[str, Any]:
     }
 
 
+def _quads(problem: CGCProblem, quads: PlaneQuads) -> dict[str, Any]:
+    """Return corners, faces and beams with figures."""
+    return {
+        "spacing": quads.spacing,
+        "depth": quads.depth,
+        "vertices": quads.vertices.tolist(),
+        "faces": quads.faces,
+        "region": quads.region.tolist(),
+        "rim": quads.rim.tolist(),
+        "planarity": quads.planarity.tolist(),
+        "off": quads.off.tolist(),
+        "beams": quads.edges.tolist(),
+        "axes": quads.axes.tolist(),
+        "twist": quads.twist.tolist(),
+        "offset_error": quads.offset_error.tolist(),
+        "irregular": quads.irregular.tolist(),
+        "dead_ends": quads.dead_ends,
+        "notes": list(quads.notes),
+        "text": quads.summary(),
+    }
+
+
 def plain(value: Any) -> Any:
     """Return a value with None for non-finite numbers and Python numbers for NumPy ones."""
     if isinstance(value, dict):
@@ -164,6 +187,7 @@ _BY_TASK: dict[str, Callable[[CGCProblem, Any], dict[str, Any]]] = {
     "unroll": _patterns,
     "membrane": _membrane,
     "net": _net,
+    "quads": _quads,
 }
 
 

@@ -103,6 +103,12 @@ def _net(surface: PosesProblem, settings: dict[str, Any]) -> Any:
     return curve_net(surface, **settings)
 
 
+def _quads(surface: PosesProblem, settings: dict[str, Any]) -> Any:
+    from .quads import plane_quads
+
+    return plane_quads(surface, **settings)
+
+
 _WIDTHS = {
     "oneOf": [
         {"type": "string"},
@@ -401,6 +407,29 @@ TASKS: dict[str, Task] = {
                 ),
             ),
             _net,
+        ),
+        Task(
+            "quads",
+            "Cover regions with K > 0 by plane quads along lines of curvature, with beams along their sides.",
+            (
+                BuildOption(
+                    "spacing",
+                    "distance between lines (default: 1/12 of the size of the smallest region)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0},
+                    "D",
+                ),
+                BuildOption(
+                    "depth",
+                    "depth of the beams (default: 0.1 of the spacing)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0},
+                    "D",
+                ),
+                _REGIONS,
+                _ROUGH,
+            ),
+            _quads,
         ),
     )
 }

@@ -18,10 +18,11 @@ from .forces import write_forces
 from .formats import OUTPUTS
 from .nets import write_net
 from .patterns import write_patterns
+from .quads import write_quads
 
 __all__ = ["build_suffix", "write_build", "write_mould_files"]
 
-_WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "curves"}
+_WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "curves", "quads": "plane quads"}
 
 
 def build_suffix(task: str, path: Union[str, os.PathLike]) -> str:
@@ -70,6 +71,8 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
         write_forces(path, report, **file_options(task, settings))
     elif task == "net":
         write_net(path, report, **file_options(task, settings))
+    elif task == "quads":
+        write_quads(path, report)
     else:
         write_mould_files(path, problem, report)
     return [Path(path)]

@@ -66,6 +66,7 @@ OUTPUTS = {
     "unroll": (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip"),
     "membrane": (".3dm", ".inp", ".json"),
     "net": (".3dm", ".dxf", ".json", ".laths.csv", ".laths.dxf"),
+    "quads": (".3dm", ".dxf", ".json", ".csv", ".beams.csv"),
 }
 
 MEDIA_TYPES = {

@@ -14,7 +14,7 @@ from ..discrete.normals import unit_vectors
 from ..discrete.topology import boundary_mask
 from ..errors import names_what_was_meant
 
-__all__ = ["SUPPORT_NAMES", "boundary_loops", "named_supports"]
+__all__ = ["SUPPORT_NAMES", "boundary_loops", "corners_of", "named_supports"]
 
 SUPPORT_NAMES = ("boundary", "outline", "corners")
 
@@ -99,7 +99,7 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
     if name == "outline":
         loops = _outlines(vertices, faces, loops)
     elif name == "corners":
-        loops = [loop[_corners(vertices[loop])] for loop in loops]
+        loops = [loop[corners_of(vertices[loop])] for loop in loops]
     return np.concatenate(loops) if loops else np.empty(0, np.int64)
 
 
@@ -115,7 +115,7 @@ def _outlines(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> l
     return [loops[k] for k in sorted(widest.values())]
 
 
-def _corners(points: FloatArray, angle: float = 30.0) -> Mask:
+def corners_of(points: FloatArray, angle: float = 30.0) -> Mask:
     """Return where a closed polyline (b, 3) turns by more than an angle in degrees (b,), without neighbours of lifted corners."""
     least = np.cos(np.radians(angle))
     cosine = _cosines(points)

@@ -162,7 +162,7 @@ def test_a_design_becomes_panels_on_few_moulds(client):
 
 def test_the_list_of_tasks_is_the_table(client):
     found = {own["name"]: own for own in client.tasks()}
-    assert set(found) == {"mould", "unroll", "membrane", "net", "limits", "rationalise"}
+    assert set(found) == {"mould", "unroll", "membrane", "net", "quads", "limits", "rationalise"}
     along = next(own for own in found["mould"]["options"] if own["name"] == "along")
     assert along["enum"] == list(ALONG) and found["unroll"]["formats"] == [
         *("arrays", "dxf", "svg", "csv", "3dm", "list.csv", "plan.dxf", "plan.svg", "zip")
@@ -172,7 +172,7 @@ def test_the_list_of_tasks_is_the_table(client):
 @pytest.mark.parametrize(
     "body, sentence",
     [
-        ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, limits, rationalise"),
+        ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, quads, limits, rationalise"),
         ({"task": "rationalise", "settings": {"seams": "x"}}, "'seams' must be one of grid, curvature, geodesics, levels"),
         ({"task": "rationalise", "settings": {"mould": 3}}, "there is no option 'mould'"),
         ({"task": ["net"]}, "'task' must be one of"),

@@ -1,0 +1,8 @@
+"""Plane quads along lines of curvature where K > 0: layout, planarisation, faces and beams."""
+
+from __future__ import annotations
+
+from .layout import PlaneQuads
+from .layout import plane_quads
+
+__all__ = ["PlaneQuads", "plane_quads"]

@@ -1,0 +1,324 @@
+"""Plane quads along the lines of curvature of regions with K > 0."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete import edge_faces
+from ...discrete.arrays import Faces
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...discrete.arrays import Mask
+from ...discrete.arrays import Vectors
+from ...discrete.arrays import Vertices
+from ...errors import CGCError
+from ...errors import names_what_was_meant
+from ...meshing import boundary_loops
+from ...meshing.boundary import corners_of
+from ...meshing.closest_on_mesh import nearest_on_mesh
+from ...model.given import checked_number
+from ...model.given import refuse_other_units
+from ...model.problem import CGCProblem
+from ...model.problem import PosesProblem
+from ..curves.net import check_spacing
+from ..curves.net import usual_spacing
+from ..materials import metres_per_unit
+from ..shape_operators import shape_operators
+from ..solved import chosen_regions
+from ..solved import solved_problem
+from .cross_field import cross_field
+from .extraction import Polygons
+from .extraction import extracted
+from .merging import merged
+from .parametrisation import parametrised
+from .planarity import gaps
+from .planarity import planarised
+from .planarity import polygon_edges
+
+__all__ = ["PlaneQuads", "plane_quads"]
+
+SMOOTHING = (0.3, 0.6, 1.2, 2.4)  # of the spacing, over which directions are averaged, until singularities are far enough apart
+FINENESS = 0.25  # of the spacing, below which the edges of the mesh are divided
+MAX_DIVISIONS = 3
+SHORTEST = 0.25  # of the spacing, side at the rim below which lines share a vertex of the rim
+STRAIGHT = np.deg2rad(150.0)  # angle at a vertex with three sides from which one of them is a line that ends there
+SHORT = 100.0  # mm, beams below which are named
+DEPTH = 0.1  # of the spacing, default depth of beams
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneQuads:
+    """Plane faces and beams of all regions.
+
+    Parameters
+    ----------
+    problem
+        The surface.
+    spacing
+        Distance between lines [L].
+    depth
+        Depth of the beams [L].
+    vertices
+        (k, 3) corners of the faces [L].
+    faces
+        Corners of every face, counterclockwise seen from outside; four inside, three or more at the rim.
+    region
+        (f,) region of every face.
+    rim
+        (k,) whether a corner lies on the rim of its region.
+    planarity
+        (f,) largest distance between the diagonals of four consecutive corners [L].
+    off
+        (k,) distances of the corners from the mesh [L].
+    edges
+        (e, 2) beams, as pairs of corners.
+    axes
+        (k, 3) axes of the nodes: moved by them, faces keep their distance from faces moved along their normals as well as possible.
+    twist
+        (e,) distance between the diagonals of a beam of this depth between the axes of its ends [L].
+    offset_error
+        (f,) largest deviation from the depth of the distance between a face and its corners moved along the axes by the depth [L].
+    notes
+        Sentences on regions without quads.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import plane_quads
+    >>> quads = plane_quads(compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))), 0.8)
+    >>> quads.dead_ends, bool(quads.planarity.max() < 1e-3)
+    (0, True)
+    """
+
+    problem: CGCProblem
+    spacing: float  # [L]
+    depth: float  # [L]
+    vertices: Vectors  # (k, 3) [L]
+    faces: list[list[int]]  # corners of every face
+    region: IntArray  # (f,) region of every face
+    rim: Mask  # (k,) on the rim of its region
+    planarity: FloatArray  # (f,) largest distance between diagonals [L]
+    off: FloatArray  # (k,) distances from the mesh [L]
+    edges: IntArray  # (e, 2) beams
+    axes: Vectors  # (k, 3) axes of the nodes
+    twist: FloatArray  # (e,) distance between the diagonals of a beam [L]
+    offset_error: FloatArray  # (f,) deviation of the offset from the depth [L]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def irregular(self) -> IntArray:
+        """Inner corners with other than four sides: the singularities of the layout (s,)."""
+        degree = np.bincount(self.edges.ravel(), minlength=len(self.vertices))
+        return np.flatnonzero(~self.rim & (degree != 4))
+
+    @property
+    def dead_ends(self) -> int:
+        """Number of lines that end inside: at corners with two sides, or with three of which two are in line."""
+        ends = 0
+        for vertex in self.irregular.tolist():
+            others = self.edges[(self.edges == vertex).any(axis=1)].sum(axis=1) - vertex
+            along = self.vertices[others] - self.vertices[vertex]
+            along = along / np.linalg.norm(along, axis=1, keepdims=True)
+            straight = np.arccos(np.clip(along @ along.T, -1.0, 1.0)).max() >= STRAIGHT
+            ends += len(others) < 3 or (len(others) == 3 and bool(straight))
+        return ends
+
+    def summary(self) -> str:
+        """Return lines of text with counts, planarity, distances from the surface and offsets."""
+        mm = 1e3 * metres_per_unit(self.problem.drawing.units)
+        sides = mm * np.linalg.norm(self.vertices[self.edges[:, 0]] - self.vertices[self.edges[:, 1]], axis=1)
+        corners = np.array([len(face) for face in self.faces])
+        others = f", {(corners != 4).sum()} with other numbers of sides at the rim" if (corners != 4).any() else ""
+        middle, most = mm * np.median(self.off), mm * self.off.max()
+        lines = [
+            f"{len(self.faces)} plane faces, {(corners == 4).sum()} quads{others}; {len(self.irregular)} irregular nodes, "
+            f"{self.dead_ends} dead ends",
+            f"planarity: {mm * self.planarity.max():.2g} mm between diagonals at most",
+            f"nodes deviate from the mesh by {middle:.2g} mm (median), {most:.2g} mm at most",
+            f"{len(self.edges)} beams of {sides.min():.4g} to {sides.max():.4g} mm; at a depth of {mm * self.depth:.4g} mm they twist by "
+            f"{mm * np.median(self.twist):.2g} mm (median), {mm * self.twist.max():.2g} mm at most",
+            f"faces offset by {mm * self.depth:.4g} mm miss their nodes by {mm * np.median(self.offset_error):.2g} mm (median), "
+            f"{mm * self.offset_error.max():.2g} mm at most",
+        ]
+        short = np.flatnonzero(sides < SHORT)
+        if len(short):
+            middle = self.vertices[self.edges[short[:3]]].mean(axis=1)
+            places = "; ".join(",".join(f"{value:.3g}" for value in place) for place in middle)
+            lines.append(f"{len(short)} beams are shorter than {SHORT:g} mm, at {places}{'; ...' if len(short) > 3 else ''}")
+        return "\n".join([*lines, *self.notes])
+
+    __str__ = summary
+
+
+class _Layout(NamedTuple):
+    """Planarised polygons of a region, and their distances from its mesh."""
+
+    polygons: Polygons
+    off: FloatArray
+
+
+@names_what_was_meant()
+def plane_quads(
+    surface: PosesProblem,
+    spacing: Optional[float] = None,
+    *,
+    depth: Optional[float] = None,
+    regions: Optional[Sequence[int]] = None,
+    rough: bool = False,
+) -> PlaneQuads:
+    """Cover regions with K > 0 by plane quads along lines of curvature, without lines that end inside.
+
+    The lines are the integer lines of a seamless parametrisation. Its singularities lie where the principal curvatures are equal, or,
+    where the surface is nearly a sphere, where the smoothest crosses need them. Corners are moved until all faces are plane.
+
+    Parameters
+    ----------
+    surface
+        Solved result, mesh or problem with one target K per region.
+    spacing
+        Distance between lines [L]. Default: 1/12 of the size of the smallest region.
+    depth
+        Depth of the beams [L]. Default: 0.1 of the spacing.
+    regions
+        Numbers of regions. Default: all with K > 0.
+    rough
+        Whether to accept a surface with the verdict rough, see :class:`compas_cgc.analysis.Verdict`.
+
+    Returns
+    -------
+    PlaneQuads
+
+    Raises
+    ------
+    CGCError
+        If the surface is rough, no region has K > 0, or the spacing is too large for the singularities of a region.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> quads = plane_quads(compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))), 0.8)
+    >>> len(quads.irregular)
+    4
+    """
+    problem = solved_problem(surface, rough)
+    for name, value in (("spacing", spacing), ("depth", depth)):
+        if value is not None and not (np.isfinite(checked_number(value, name)) and value > 0):
+            raise CGCError(f"the {name} must be larger than 0, not {value:g}")
+    targets, label = problem.region_targets(), problem.regions()
+    notes, layouts = [], {}
+    chosen = chosen_regions(problem, regions)
+    convex = [region for region in chosen if (targets[region] or 0.0) > 0.0]
+    notes += [f"region {region} does not have one K > 0 and gets no quads" for region in chosen if region not in convex]
+    if not convex:
+        raise CGCError("plane quads need a region with K > 0; use a net of curves instead")
+    step = spacing or min(usual_spacing(problem, region) for region in convex)
+    for region in convex:
+        own = problem.faces[label == region]
+        size = float(np.linalg.norm(np.ptp(problem.vertices[own].reshape(-1, 3), axis=0)))
+        refuse_other_units("the spacing", step, size, problem.drawing.units)
+        check_spacing(size, step, region)
+        layouts[region] = _laid_out(problem.vertices, own, float(targets[region] or 0.0), step, region)
+    return _joined(problem, step, depth or DEPTH * step, layouts, tuple(notes))
+
+
+def _laid_out(vertices: Vertices, faces: Faces, K: float, spacing: float, region: int) -> _Layout:
+    used, corner = np.unique(faces, return_inverse=True)
+    V, F = vertices[used], corner.reshape(-1, 3)
+    S = shape_operators(V, F).operators
+    if not np.isfinite(S).all():
+        raise CGCError(f"region {region} has too few faces to compute curvatures; refine its mesh")
+    fine, triangles, S = _refined(V, F, S, FINENESS * spacing)
+    loops = boundary_loops(triangles)
+    if not loops:
+        raise CGCError(f"region {region} is closed; plane quads need a rim")
+    turns = [np.flatnonzero(corners_of(fine[loop])) for loop in loops]
+    kinks = np.concatenate([loop[own] for loop, own in zip(loops, turns)])
+    sides = [side for loop, own in zip(loops, turns) for side in _sides(loop, own)]
+    polygons = None
+    for length in SMOOTHING:
+        field = cross_field(fine, triangles, S, K, length * spacing)
+        found = extracted(fine, triangles, parametrised(fine, triangles, field, spacing, sides), spacing, kinks)
+        if all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
+            polygons = merged(found, SHORTEST * spacing)
+            break
+    if polygons is None or not polygons.faces:
+        raise CGCError(f"singularities of region {region} lie too close together for lines {spacing:.3g} apart; use a smaller spacing")
+    while True:
+        count, points = len(polygons.vertices), planarised(polygons, fine, triangles, loops)
+        # Corners slide towards kinks of held rims, where the curvature is unbounded.
+        polygons = merged(polygons._replace(vertices=points), SHORTEST * spacing)
+        if len(polygons.vertices) == count:
+            break
+    return _Layout(polygons, np.linalg.norm(points - nearest_on_mesh(points, V, F)[0], axis=1))
+
+
+def _sides(loop: IntArray, turns: IntArray) -> list[IntArray]:
+    """Return the paths along a rim between its kinks; one closed path if it has none."""
+    starts = turns if len(turns) else np.array([0])
+    ends = np.append(starts[1:], starts[0] + len(loop))
+    return [loop[np.arange(start, end + 1) % len(loop)] for start, end in zip(starts, ends)]
+
+
+def _refined(vertices: Vertices, faces: Faces, operators: FloatArray, longest: float) -> tuple[Vertices, Faces, FloatArray]:
+    """Return a mesh divided at midpoints until half of its edges are short enough, with operators interpolated."""
+    for _ in range(MAX_DIVISIONS):
+        edges = edge_faces(faces)[:, :2]
+        if np.median(np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)) <= longest:
+            break
+        n = len(vertices)
+        number = {(min(a, b), max(a, b)): n + k for k, (a, b) in enumerate(edges.tolist())}
+        middle = np.array([[number[min(a, b), max(a, b)] for a, b in zip(face, face[1:] + face[:1])] for face in faces.tolist()])
+        first = np.stack([faces, middle, np.roll(middle, 1, axis=1)], axis=2).reshape(-1, 3)
+        vertices = np.vstack([vertices, vertices[edges].mean(axis=1)])
+        operators = np.concatenate([operators, operators[edges].mean(axis=1)])
+        faces = np.vstack([first, middle])
+    return vertices, faces, operators
+
+
+def _joined(problem: CGCProblem, spacing: float, depth: float, layouts: dict[int, _Layout], notes: tuple[str, ...]) -> PlaneQuads:
+    first, faces, region = 0, list[list[int]](), list[int]()
+    for number, layout in layouts.items():
+        faces += [[first + vertex for vertex in face] for face in layout.polygons.faces]
+        region += [number] * len(layout.polygons.faces)
+        first += len(layout.polygons.vertices)
+    points = np.vstack([layout.polygons.vertices for layout in layouts.values()])
+    edges, axes = polygon_edges(faces), _axes(points, faces)
+    beams = np.column_stack([edges, edges[:, ::-1] + len(points)]).tolist()
+    normals = np.array([_normal(points[face]) for face in faces])
+    return PlaneQuads(
+        problem=problem,
+        spacing=spacing,
+        depth=depth,
+        vertices=points,
+        faces=faces,
+        region=np.array(region, dtype=np.int64),
+        rim=np.concatenate([layout.polygons.rim for layout in layouts.values()]),
+        planarity=gaps(points, faces),
+        off=np.concatenate([layout.off for layout in layouts.values()]),
+        edges=edges,
+        axes=axes,
+        twist=gaps(np.vstack([points, points + depth * axes]), beams),
+        offset_error=depth * np.array([np.abs(axes[face] @ normal - 1.0).max() for face, normal in zip(faces, normals)]),
+        notes=notes,
+    )
+
+
+def _normal(points: Vectors) -> FloatArray:
+    """Return the unit normal (3,) of a plane polygon."""
+    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    return np.asarray(normal / np.linalg.norm(normal))
+
+
+def _axes(points: Vectors, faces: list[list[int]]) -> Vectors:
+    """Return the vectors (k, 3) that move corners by one along the normals of all faces around them, by least squares."""
+    around: list[list[FloatArray]] = [[] for _ in points]
+    for face in faces:
+        normal = _normal(points[face])
+        for vertex in face:
+            around[vertex].append(normal)
+    return np.array([np.linalg.lstsq(np.array(own), np.ones(len(own)), rcond=1e-3)[0] for own in around], dtype=np.float64)

@@ -1,0 +1,173 @@
+"""Plane quads: layout, planarity, faces and beams, files."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import compas_cgc
+from compas_cgc import CGCMesh
+from compas_cgc import solve
+from compas_cgc.cli.main import main
+from compas_cgc.errors import CGCError
+from compas_cgc.fabrication import plane_quads
+from compas_cgc.fabrication.quads.cross_field import cross_field
+from compas_cgc.fabrication.quads.extraction import Polygons
+from compas_cgc.fabrication.quads.merging import merged
+from compas_cgc.fabrication.quads.planarity import _diagonals
+from compas_cgc.io import write
+from tests.support.shapes import grid
+
+
+def _oval():
+    mesh = CGCMesh.from_meshgrid(dx=2.0, nx=24)
+    vertices, faces = mesh.to_vertices_and_faces()
+    x, y = (np.array(vertices)[:, :2] - 1.0).T
+    plan = np.column_stack([9.0 * x * np.sqrt(1.0 - y**2 / 2.0), 6.0 * y * np.sqrt(1.0 - x**2 / 2.0), 0.0 * x])
+    oval = CGCMesh.from_vertices_and_faces(plan.tolist(), faces)
+    oval.set_supports("boundary")
+    oval.set_target(0.008)
+    return solve(oval)
+
+
+def _on_corners():
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=24)
+    mesh.set_supports("corners")
+    mesh.set_target(0.01)
+    return solve(mesh)
+
+
+DOMES = {
+    "cushion": (lambda: solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))), 0.6),
+    "oval": (_oval, 1.2),
+    "corners": (_on_corners, 1.2),
+}
+
+
+@pytest.fixture(scope="module", params=list(DOMES))
+def quads(request):
+    make, spacing = DOMES[request.param]
+    return plane_quads(make(), spacing)
+
+
+def _ends_inside(quads):
+    """Count inner nodes from which fewer than three sides leave, or at which a line meets another from one side only."""
+    neighbours = {}
+    for face in quads.faces:
+        for a, b in zip(face, face[1:] + face[:1]):
+            neighbours.setdefault(a, set()).add(b)
+            neighbours.setdefault(b, set()).add(a)
+    ends = 0
+    for node in np.flatnonzero(~quads.rim).tolist():
+        ways = np.array([quads.vertices[other] - quads.vertices[node] for other in neighbours[node]])
+        ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+        ends += len(ways) < 3 or (len(ways) == 3 and (ways @ ways.T).min() < np.cos(np.radians(150.0)))
+    return ends
+
+
+def test_domes_are_covered_by_plane_quads_without_dead_ends(quads):
+    for face in quads.faces:
+        points = quads.vertices[face] - quads.vertices[face].mean(axis=0)
+        normal = np.linalg.svd(points)[2][2]
+        assert np.abs(points @ normal).max() < 0.5e-3  # a plane within half a millimetre: diagonals within one
+    assert quads.planarity.max() < 1e-3
+    assert _ends_inside(quads) == quads.dead_ends == 0
+    inner = [face for face in quads.faces if not quads.rim[face].any()]
+    assert len(inner) > 10 and all(len(face) == 4 for face in inner)
+    uses = {}
+    for face in quads.faces:
+        for a, b in zip(face, face[1:] + face[:1]):
+            uses[a, b] = uses.get((a, b), 0) + 1
+    assert set(uses.values()) == {1}  # faces have one orientation, and no side belongs to three
+    assert all(quads.rim[a] and quads.rim[b] for a, b in uses if (b, a) not in uses)  # no holes
+
+
+def test_faces_cover_the_surface_and_lie_on_it(quads):
+    problem = quads.problem
+    size = np.linalg.norm(np.ptp(problem.vertices, axis=0))
+    a, b, c = problem.vertices[problem.faces].transpose(1, 0, 2)
+    whole = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    own = sum(np.linalg.norm(np.cross(quads.vertices[face], np.roll(quads.vertices[face], -1, axis=0)).sum(axis=0)) for face in quads.faces)
+    assert own == pytest.approx(whole, rel=0.02)
+    assert np.median(quads.off) < 1e-3 * size and quads.off.max() < 0.01 * size
+    assert np.median(quads.twist) < 0.01 * quads.depth
+
+
+@pytest.mark.parametrize("quads", ["cushion"], indirect=True)
+def test_a_cushion_has_four_nodes_of_five_sides(quads):
+    assert len(quads.irregular) == 4
+    assert (np.bincount(quads.edges.ravel())[quads.irregular] == 5).all()
+
+
+def test_only_regions_with_positive_K_get_quads():
+    saddle = solve(compas_cgc.read(compas_cgc.get("canopy.3dm")))
+    with pytest.raises(CGCError, match="plane quads need a region with K > 0"):
+        plane_quads(saddle)
+    with pytest.raises(CGCError, match="the depth must be larger than 0"):
+        plane_quads(saddle, depth=-1.0)
+
+
+def test_the_indices_of_a_field_around_an_umbilic_add_up_to_a_turn():
+    """Principal directions around an isolated umbilic of index 1: four quarters in total, in simple singularities."""
+    vertices, faces = grid(21, 2.0)
+    vertices = np.column_stack([vertices[:, :2] - vertices[:, :2].mean(axis=0), np.zeros(len(vertices))])
+    x, y = vertices[:, :2].T
+    operators = np.zeros((len(vertices), 3, 3))
+    operators[:, 0, 0], operators[:, 1, 1] = 1.0 + x**2 - y**2, 1.0 - x**2 + y**2
+    operators[:, 0, 1] = operators[:, 1, 0] = 2.0 * x * y
+    index = cross_field(vertices, faces, operators, 1.0, 0.1).indices
+    assert index.sum() == 4 and index.max() == 1 and index.min() == 0
+
+
+def test_merging_sides_at_the_rim_leaves_no_line_that_ends_inside():
+    """The corner at (1, 1) would lose a side if the short one at the rim vanished together with its triangle."""
+    points = np.array([[0, 0, 0], [0.95, 0, 0], [1.05, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0], [0, 2, 0], [1, 2, 0], [2, 2, 0]])
+    faces = [[0, 1, 5, 4], [1, 2, 5], [2, 3, 6, 5], [4, 5, 8, 7], [5, 6, 9, 8]]
+    rim = np.ones(10, bool)
+    rim[5] = False
+    kinks = np.zeros(10, bool)
+    same = merged(Polygons(points.astype(float), faces, rim, kinks), 0.3)
+    assert same.faces == faces
+    rim[5] = True  # on the rim itself, nothing ends
+    assert len(merged(Polygons(points.astype(float), faces, rim, kinks), 0.3).faces) == 4
+
+
+def test_the_slopes_of_the_distance_between_diagonals_are_exact():
+    rng = np.random.default_rng(0)
+    points, moves = rng.normal(size=(2, 6, 3))
+    corners = np.array([[0, 1, 2, 3], [2, 3, 4, 5]])
+    gap, slopes = _diagonals(points, corners)
+    step = 1e-6
+    ahead, back = (_diagonals(points + sign * step * moves, corners)[0] for sign in (1.0, -1.0))
+    assert slopes @ moves.ravel() == pytest.approx((ahead - back) / (2.0 * step), rel=1e-6)
+    assert gap == pytest.approx(
+        [np.linalg.det([b - a, c - a, d - a]) / np.linalg.norm(np.cross(c - a, d - b)) for a, b, c, d in points[corners]]
+    )
+
+
+def test_the_command_writes_faces_and_beams(tmp_path):
+    write(tmp_path / "solved.3dm", solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))))
+    names = ["q.3dm", "q.dxf", "q.json", "q.csv", "q.beams.csv"]
+    outputs = [word for name in names for word in ("-o", str(tmp_path / name))]
+    assert main(["quads", str(tmp_path / "solved.3dm"), "--spacing", "0.8", "--depth", "0.1", "-q", *outputs]) == 0
+    data = json.loads((tmp_path / "q.json").read_text())
+    with open(tmp_path / "q.csv") as file:
+        faces = list(csv.DictReader(file))
+    with open(tmp_path / "q.beams.csv") as file:
+        beams = list(csv.DictReader(file))
+    assert len(faces) == len(data["faces"]) and len(beams) == len(data["beams"])
+    vertices = 1e3 * np.array(data["vertices"])
+    for row, face in zip(faces, data["faces"]):
+        sides = np.linalg.norm(vertices[np.roll(face, -1)] - vertices[face], axis=1)
+        assert [float(value) for value in row["sides in mm"].split()] == pytest.approx(sides, abs=0.06)
+    lengths = {tuple(sorted((int(row["from node"]), int(row["to node"])))): float(row["length in mm"]) for row in beams}
+    assert all(tuple(sorted(pair)) in lengths for face in data["faces"] for pair in zip(face, face[1:] + face[:1]))
+    import rhino3dm
+    from ezdxf import filemanagement
+
+    layers = [each.dxf.layer for each in filemanagement.readfile(tmp_path / "q.dxf").modelspace()]
+    assert layers.count("FACES") == len(faces) and layers.count("BEAMS") == len(beams)
+    model = rhino3dm.File3dm.Read(str(tmp_path / "q.3dm"))
+    drawn = [model.Layers[own.Attributes.LayerIndex].FullPath for own in model.Objects]
+    assert drawn.count("CGC Quads::Beams") == len(beams) and drawn.count("CGC Quads::Outlines") == len(faces)
