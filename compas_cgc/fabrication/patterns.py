@@ -58,7 +58,7 @@ class Piece(NamedTuple):
     area: float  # in the plane [L^2]
     area_in_space: float  # [L^2]
     strain: float  # largest absolute strain; 0 up to rounding if K = 0
-    allowance: list[FloatArray]  # (k, 2) outlines with the allowance and holes [L]; empty without allowance
+    allowance: list[FloatArray]  # (k, 2) cut lines, with allowance and half the kerf, and holes [L]; empty without them
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,7 @@ class Patterns:
             counts = [(self.sheet_sizes.count(size), size) for size in sorted(set(self.sheet_sizes), reverse=True)]
             sheets = ", ".join(f"{count} sheet{'' if count == 1 else 's'} of {in_mm(size, units)}" for count, size in counts)
             lines.append(f"{sheets}, {100 * used:.0f} % used")
-        free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.allowance, "around pieces")]
+        free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.strip, "around pieces")]
         lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
         lines.append(f"largest length difference between the sides of a seam: {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
         short = [seam for seam in self.seams if seam.length < 0.1 / metres(units)]
@@ -212,7 +212,7 @@ def patterns_of(
         within[region] = within.get(region, 0) + 1
         area = sum(signed_area(loop.points) for loop in loops[piece])
         label = names[piece] if names else f"{_letters(region)}{within[region]}"
-        strip = widened([loop.points for loop in loops[piece]], stock.allowance)
+        strip = widened([loop.points for loop in loops[piece]], stock.strip)
         pieces.append(Piece(label, region, on_sheet[piece], loops[piece], area, float(in_space[piece]), float(largest[piece]), strip))
     seams, folds = seams_between(own), _folds(problem, own)
     return Patterns(problem, own, pieces, seams, unrollings, strains, folds, rulings, straightness, stock, sizes)

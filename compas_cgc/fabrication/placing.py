@@ -60,14 +60,14 @@ def on_sheets(own: Patchwork, stock: Stock, shapes: bool = False) -> Placed:
     """Place pieces on sheets by their rectangles, or by their true shapes, and return the smallest sheets that hold them."""
     turned, sizes, outlines = [], [], []
     for piece in range(int(own.piece.max()) + 1):
-        taken = extent(own, piece, stock.allowance)
+        taken = extent(own, piece, stock.strip)
         along = best_box(taken, stock.room, None if stock.grain is None else grain_of(own, piece, stock.grain)).along
         turn = np.column_stack([along, [-along[1], along[0]]])
         low = (taken @ turn).min(axis=0)
         turned.append(own.plane[own.piece == piece] @ turn - low)
         sizes.append((float(np.ptp(taken @ turn[:, 0])), float(np.ptp(taken @ turn[:, 1]))))
         if shapes and stock.sheet is not None:
-            outlines.append((widened(_loops(own, piece), stock.allowance) or _loops(own, piece))[0] @ turn - low)
+            outlines.append((widened(_loops(own, piece), stock.strip) or _loops(own, piece))[0] @ turn - low)
     spacing = DEFAULT_SPACING * max(map(min, sizes)) if stock.spacing is None else stock.spacing
     room = stock.room if stock.sheet is not None else _roll(sizes, spacing)
     places = nest(sizes, room, spacing, turn=stock.grain is None)

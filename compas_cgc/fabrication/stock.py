@@ -28,6 +28,12 @@ class Stock(NamedTuple):
     allowance: float  # around every piece [L]
     smaller: tuple[tuple[float, float], ...] = ()  # length and width of further sheets, the smallest first [L]
     grain: Optional[tuple[float, float]] = None  # direction in plan along the length of the sheets; None for any
+    kerf: float = 0.0  # width that the tool removes [L]
+
+    @property
+    def strip(self) -> float:
+        """Width of the strip around every piece up to the middle of the cut [L]."""
+        return self.allowance + 0.5 * self.kerf
 
     @property
     def room(self) -> tuple[float, float]:
@@ -45,6 +51,7 @@ def stock_of(
     margin: float,
     allowance: float,
     grain: Optional[tuple[float, float]] = None,
+    kerf: float = 0.0,
 ) -> Stock:
     """Return the validated stock.
 
@@ -60,6 +67,8 @@ def stock_of(
         Width of the strip around every piece [L].
     grain
         Direction in plan along the length of the sheets. None: any.
+    kerf
+        Width that the tool removes [L].
 
     Raises
     ------
@@ -74,6 +83,7 @@ def stock_of(
         "spacing between pieces": None if spacing is None else checked_number(spacing, "spacing"),
         "margin at the edges of a sheet": checked_number(margin, "margin"),
         "allowance around pieces": checked_number(allowance, "allowance"),
+        "kerf of the tool": checked_number(kerf, "kerf"),
     }
     for what, length in lengths.items():
         if length is not None and not 0 <= length < np.inf:
@@ -88,13 +98,13 @@ def stock_of(
             f"{DEFAULT_SPACING * size[1]:g}"
         )
     # Without room for the mitres of the smallest piece, cutting would not terminate.
-    if size is not None and not 2 * margin + 2 * MITRE_LIMIT * allowance < size[1]:
+    if size is not None and not 2 * margin + 2 * MITRE_LIMIT * (allowance + 0.5 * kerf) < size[1]:
         raise CGCError(
-            f"an allowance of {allowance:g} leaves no room for pieces on a sheet of {size[0]:g} x {size[1]:g}; use less than "
+            f"an allowance of {allowance + 0.5 * kerf:g} leaves no room for pieces on a sheet of {size[0]:g} x {size[1]:g}; use less than "
             f"{(size[1] - 2 * margin) / (2 * MITRE_LIMIT):.3g}, in the units of the drawing"
         )
     apart = DEFAULT_SPACING * size[1] if spacing is None and size is not None else spacing
-    return Stock(size, apart, margin, allowance, tuple(sizes[:-1]), None if grain is None else (float(grain[0]), float(grain[1])))
+    return Stock(size, apart, margin, allowance, tuple(sizes[:-1]), None if grain is None else (float(grain[0]), float(grain[1])), kerf)
 
 
 def _several(sheet: object) -> list[object]:

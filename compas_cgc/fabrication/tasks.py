@@ -230,6 +230,13 @@ TASKS: dict[str, Task] = {
                     {**_LENGTH, "default": 0.0},
                     "D",
                 ),
+                BuildOption(
+                    "kerf",
+                    "width that the tool removes; cut lines are drawn in the middle of it (default 0: the machine corrects the path)",
+                    values.number,
+                    {**_LENGTH, "default": 0.0},
+                    "D",
+                ),
                 *_JOINTS,
                 BuildOption(
                     "grain",

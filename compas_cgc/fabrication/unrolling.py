@@ -64,6 +64,7 @@ def unroll(
     spacing: Optional[float] = None,
     margin: float = 0.0,
     allowance: float = 0.0,
+    kerf: float = 0.0,
     grain: Optional[tuple[float, float]] = None,
     shapes: bool = False,
     rulings: Optional[float] = None,
@@ -98,6 +99,9 @@ def unroll(
         Free margin along the edges of a sheet [L].
     allowance
         Width of a strip around every piece for welding or sewing [L]. It is drawn as a separate outline and included in nesting.
+    kerf
+        Width that the tool removes [L]. Cut lines are drawn half of it outside the pieces (inside holes), in the middle of the cut, and the
+        pieces as a separate outline. Default: cut lines are the outlines, for machines that correct the path themselves.
     grain
         Direction in plan along the length of the sheets, such as (1, 0) for a grain along x. Default: pieces have any rotation.
     shapes
@@ -135,7 +139,7 @@ def unroll(
     if seams is not None and panels is not None:
         raise CGCError("give panels or seams, not both; the joints of panels are the seams")
     problem = unrollable(solved_problem(surface, rough))
-    stock = stock_of(sheet, spacing, margin, allowance, grain)
+    stock = stock_of(sheet, spacing, margin, allowance, grain, kerf)
     _check_scale(problem, stock)
     if rulings is not None and checked_number(rulings, "rulings") < 0:
         raise CGCError(f"the distance between rulings must be positive, or 0 for none, not {rulings:g}")
@@ -162,7 +166,7 @@ def unroll(
         return worst > strain
 
     def taken(own: Patchwork, piece: int) -> np.ndarray:
-        return extent(own, piece, stock.allowance)
+        return extent(own, piece, stock.strip)
 
     def along(own: Patchwork, piece: int) -> np.ndarray:
         return grain_of(own, piece, stock.grain or (1.0, 0.0))
@@ -201,7 +205,7 @@ def _check_scale(problem: CGCProblem, stock: Stock) -> None:
             f"a sheet of {sheet[0]:g} x {sheet[1]:g} {units} is far larger than the surface, whose size is {size:.3g}; add its unit, "
             f"such as {sheet[0]:g}x{sheet[1]:g}mm"
         )
-    for what in ("spacing", "margin", "allowance"):
+    for what in ("spacing", "margin", "allowance", "kerf"):
         length = getattr(stock, what) or 0.0
         if length > size:
             raise CGCError(f"the {what} of {length:g} {units} is larger than the surface, whose size is {size:.3g}; give it in {units}")

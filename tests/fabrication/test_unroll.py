@@ -178,6 +178,15 @@ def test_allowances_stand_off_every_edge_and_have_room_on_sheets(cut):
         unroll(vault(), SHEET, rough=True, allowance=0.2)
 
 
+def test_cut_lines_run_in_the_middle_of_the_kerf():
+    """Half the kerf outside the piece everywhere, and inside holes: what the tool leaves is the piece."""
+    shapely = pytest.importorskip("shapely")
+    own = unroll(vault(), rough=True, kerf=0.004, spacing=0.01)
+    for piece in own.pieces:
+        cut, outline = shapely.Polygon(piece.allowance[0]), shapely.Polygon(piece.loops[0].points)
+        assert cut.buffer(-0.002, join_style="mitre").symmetric_difference(outline).area < 1e-6 * outline.area
+
+
 def test_allowances_are_mitred():
     pytest.importorskip("shapely")
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
