@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import Any
@@ -29,7 +28,6 @@ __all__ = ["add_input", "add_options", "add_reading", "add_supports", "read_inpu
 
 # Copied from `meshing.boundary`, which --help must not import.
 SUPPORT_NAMES = ("boundary", "outline", "corners")
-_REGION = re.compile(r"\s*(\d+)\s*=")
 _ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
 
 
@@ -150,13 +148,10 @@ def with_laws(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
     CGCError
         If a law is invalid.
     """
-    laws: dict[int, str] = {}
-    for text in sorted(texts, key=lambda text: _REGION.match(text) is not None):
-        found = _REGION.match(text)
-        regions = range(problem.number_of_regions()) if found is None else [int(found.group(1))]
-        laws.update(dict.fromkeys(regions, text if found is None else text[found.end() :]))
+    from ..model.laws import laws_by_region
+
     try:
-        return problem.with_laws(laws) if laws else problem
+        return problem.with_laws(laws_by_region(texts, problem.number_of_regions())) if texts else problem
     except ValueError as error:
         raise CGCError(f"--law: {error}") from None
 

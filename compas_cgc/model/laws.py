@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -27,6 +28,7 @@ __all__ = [
     "Piecewise",
     "Shape",
     "as_law",
+    "laws_by_region",
 ]
 
 Curvature = Union[float, FloatArray]
@@ -447,6 +449,7 @@ class Piecewise(Law):
 
 
 NUMBER = r"[-+]?\s*(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+REGION = re.compile(r"\s*(\d+)\s*=")
 TERM = re.compile(rf"\s*(?P<factor>{NUMBER}|[-+]?)\s*\*?\s*(?P<name>[HK])\b")
 
 
@@ -492,6 +495,21 @@ def as_law(given: object) -> Law:
     if b == 0.0:
         return ConstantMeanCurvature(value / a) if value else Minimal()
     return ConstantCurvature(value / b) if a == 0.0 else LinearWeingarten(a, b, value)
+
+
+def laws_by_region(texts: Iterable[str], count: int) -> dict[int, str]:
+    """Return laws by region from texts ``[REGION=]LAW`` for a number of regions; those for all regions apply where no other is given.
+
+    Examples
+    --------
+    >>> laws_by_region(["1=H = 0.1", "minimal"], 3)
+    {0: 'minimal', 1: 'H = 0.1', 2: 'minimal'}
+    """
+    laws: dict[int, str] = {}
+    for text in sorted(texts, key=lambda text: REGION.match(text) is not None):
+        found = REGION.match(text)
+        laws.update(dict.fromkeys(range(count), text) if found is None else {int(found[1]): text[found.end() :]})
+    return laws
 
 
 def _no_law(given: str) -> str:

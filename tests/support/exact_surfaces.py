@@ -149,6 +149,18 @@ def parallel_of_pseudosphere(distance: float = 0.25) -> Surface:
     return Surface(point, (0.35, 0.35), (0.85, 0.85), LinearWeingarten(-2.0 * distance, 1.0 + distance**2, -1.0))
 
 
+def strip_of_parallel_pseudosphere(distance: float = 0.25) -> Surface:
+    """Return a patch of the same surface, bounded by lines of curvature t = u + v and a = u - v, which are nowhere characteristic."""
+
+    def point(t, a):
+        X = np.stack([np.cos(a) / np.cosh(t), np.sin(a) / np.cosh(t), t - np.tanh(t)])
+        N = np.stack([np.tanh(t) * np.cos(a), np.tanh(t) * np.sin(a), 1 / np.cosh(t)])
+        return tuple(X + distance * N)
+
+    # X_t x X_a points opposite to X_u x X_v.
+    return Surface(point, (0.7, -0.5), (1.7, 0.5), LinearWeingarten(2.0 * distance, 1.0 + distance**2, -1.0))
+
+
 def parallel_of_spindle(distance: float = 0.3, radius: float = 1.4) -> Surface:
     """Return a patch of a surface parallel to the surface of revolution r = radius cos s of K = 1, by arc length s."""
     fine = np.linspace(-0.7, 0.7, 100_001)

@@ -55,6 +55,15 @@ DRAWN_INPUTS = (
 )
 
 
+LAW = Input(
+    "Law",
+    "L",
+    "Text",
+    "Laws other than constant K, separated by semicolons: minimal or H = 0.1 for all regions, 2=minimal; 4=H = 0.1 by region. Empty for none.",
+    default="",
+)
+
+
 def _method_input() -> Input:
     *others, last = method_names()
     return Input("Method", "Me", "Text", f"{', '.join(others)} or {last}. Defaults to {others[0]}.", default=others[0])
@@ -79,7 +88,7 @@ def _default(option: Option) -> Union[float, int, str]:
 
 
 def _solve_inputs() -> tuple[Input, ...]:
-    return (*DRAWN_INPUTS, _method_input(), *(_option_input(name, *own) for name, own in OPTION_INPUTS.items()))
+    return (*DRAWN_INPUTS, _method_input(), *(_option_input(name, *own) for name, own in OPTION_INPUTS.items()), LAW)
 
 
 def endpoint(uri: str) -> Endpoint:

@@ -11,6 +11,7 @@ from ...io.reading import ReadProblem
 from ...io.rhino.assemble import assemble
 from ...io.rhino.sketch import Drawn
 from ...model.laws import ConstantCurvature
+from ...model.laws import laws_by_region
 from ...model.problem import CGCProblem
 from ..api.decoding import read_json
 from ..api.requests import SolveRequest
@@ -59,7 +60,10 @@ def solve_inputs_request(inputs: dict, context: dict, limits: Limits) -> SolveRe
     """
     _check_targets(inputs)
     read = _assembled(inputs, context, limits)
-    return solve_request(read.checked(), {**_options(inputs), **goal_options(inputs, limits)}, limits, _notes(read))
+    problem = read.checked()
+    laws = laws_by_region(filter(str.strip, inputs["Law"].split(";")), problem.number_of_regions())
+    by_region = {"laws": {str(region): text for region, text in laws.items()}} if laws else {}
+    return solve_request(problem, {**_options(inputs), **by_region, **goal_options(inputs, limits)}, limits, _notes(read))
 
 
 def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, list[str]]:

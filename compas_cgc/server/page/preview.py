@@ -122,7 +122,6 @@ def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
     if np.isfinite(own.s).any() or np.isfinite(own.e).any():
         notes.append("the file sets the strategies s and e along creases; this page uses one value of each for all")
     laws = {str(region): str(law) for region, law in problem.laws.items()}
-    notes += [f"region {region} keeps the law {law} of the file; its K on this page is not used" for region, law in laws.items()]
     return {
         "name": name or own.drawing.name,
         "unit": unit_suffix(own.drawing.units or "").strip(),

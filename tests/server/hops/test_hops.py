@@ -186,6 +186,18 @@ def test_an_analysis_gives_a_number_per_vertex(hops, comma):
     assert len(outputs["Mesh"][0].VertexColors) == 169 and "region" in outputs["Info"][0]
 
 
+def test_a_law_replaces_the_curvature_of_its_region(hops):
+    status, outputs, errors, _ = hops("solve").solve(Mesh=sheet(), K=[0.02], Law="H = 0.1")
+    assert (status, errors) == (200, []) and "H = 0.1" in outputs["Info"][0]
+    one = arrays(outputs["Mesh"][0])[0]
+    _, outputs, _, _ = hops("solve").solve(Mesh=sheet(), K=[0.02], Law="0=H = 0.1;")
+    assert np.abs(arrays(outputs["Mesh"][0])[0] - one).max() < 1e-9
+    _, _, errors, _ = hops("solve").solve(Mesh=sheet(), K=[0.02], Law="H + ")
+    assert "is not a law; write minimal" in str(errors)
+    _, _, errors, _ = hops("solve").solve(Mesh=sheet(), K=[0.02], Law="7=minimal")
+    assert "region 7" in str(errors)
+
+
 def test_a_dome_is_solved_exactly_and_laid_onto_its_sphere(hops):
     status, outputs, errors, _ = hops("solve").solve(Mesh=sheet(), K=[0.02], Measure="exact", Method="newton")
     assert (status, errors) == (200, []) and "in the exact measure" in outputs["Info"][0]

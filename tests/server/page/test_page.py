@@ -486,6 +486,34 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
 
 
 @pytest.mark.nightly
+def test_a_region_gets_another_law_and_constant_k_again(page):
+    from selenium.webdriver.common.keys import Keys
+
+    def says(text: str) -> bool:
+        # Elements are replaced while a solve reports.
+        read = "return [...document.querySelectorAll('#outcome')].map((each) => each.textContent).join(' ')"
+        return text in page.window.execute_script(read) and not page.all(".verdict .old")
+
+    page.load()
+    page.example("example4_a")
+    page.solve()
+    field = page.one("[aria-label='Law of Region 4']")
+    assert field.get_attribute("value") == ""
+    field.send_keys("H = 0.2" + Keys.ENTER)
+    wait_for(lambda: says("H = 0.2"), what="the law is not solved")
+    assert not page.number(4).is_enabled()
+    field = page.one("[aria-label='Law of Region 4']")
+    field.send_keys(Keys.CONTROL + "a")
+    field.send_keys("H + " + Keys.ENTER)
+    wait_for(lambda: "is not a law" in page.window.execute_script("return document.body.innerText"), what="the wrong law is not refused")
+    field = page.one("[aria-label='Law of Region 4']")
+    field.send_keys(Keys.CONTROL + "a")
+    field.send_keys(Keys.DELETE + Keys.ENTER)
+    wait_for(lambda: says("9 regions as prescribed"), what="K is not solved")
+    assert page.number(4).is_enabled()
+
+
+@pytest.mark.nightly
 def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp_path):
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys

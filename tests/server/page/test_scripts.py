@@ -129,7 +129,7 @@ def test_numbers_are_read_with_a_point_or_a_comma_and_groups_are_refused(hands):
     assert hands.read("const { numberIn } = await import('/page/fields.js'); return args[0].map(numberIn)", texts) == [None] * len(texts)
 
 
-def test_a_region_that_is_divided_keeps_name_colour_and_K(hands):
+def test_a_region_that_is_divided_keeps_name_colour_law_and_K(hands):
     mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
     vertices, faces = mesh.arrays()
     data = {
@@ -138,6 +138,7 @@ def test_a_region_that_is_divided_keeps_name_colour_and_K(hands):
         "regions": [0] * len(faces),
         "creases": [],
         "targets": [0.02],
+        "laws": {"0": "H = 0.1"},
         "names": ["Hall"],
         "colours": ["#112233"],
         "problems": [],
@@ -151,6 +152,7 @@ def test_a_region_that_is_divided_keeps_name_colour_and_K(hands):
     assert one["targets"] == [0.02, 0.02] and sorted(map(str, one["names"])) == ["Hall", "None"] and len(set(one["regions"])) == 2
     share = one["names"].index("Hall")
     assert one["regions"].count(share) > len(faces) / 2 and one["colours"][share] == "#112233"
+    assert one["laws"] == {"0": "H = 0.1", "1": "H = 0.1"} and none["laws"] == {"0": "H = 0.1"}
     assert none["regions"] == [0] * len(faces) and none["names"] == ["Hall"] and none["creases"] == []
 
 

@@ -20,6 +20,7 @@ from compas_cgc.solvers.polish.starts import starts
 from ...support.exact_surfaces import SURFACES
 from ...support.exact_surfaces import parallel_of_pseudosphere
 from ...support.exact_surfaces import sphere
+from ...support.exact_surfaces import strip_of_parallel_pseudosphere
 
 
 class TotalCurvature(Law):
@@ -89,12 +90,44 @@ def test_a_hyperbolic_law_between_two_characteristic_supports(irregular):
     V, F, uv = surface.patch(16, irregular)
     t = (uv - surface.low) / np.subtract(surface.high, surface.low)
     size = float(np.ptp(V, axis=0).max())
-    # Two adjacent asymptotic lines of the pseudosphere determine the surface (Goursat's problem).
+    # Two adjacent asymptotic lines of the pseudosphere determine the surface (Goursat's problem). The order is below 1, as no equation
+    # balances the bending moment at these edges: normal moves change a law in second derivatives along them only.
     off = 0.02 * size * 4 * np.prod(t, axis=1) * (1 - 0.5 * t[:, 0])
     problem = CGCProblem(V + off[:, None] * vertex_normals(V, F), F).with_supports(np.flatnonzero((t < 1e-9).any(axis=1)).tolist())
     solution = polish(problem.with_laws({0: surface.law}), settings=PolishSettings(keep="plan", steps=200))
     assert solution.status == "converged", solution.message
     assert surface.distances(solution.vertices, uv).max() < 2e-3 * size
+
+
+def _clamped_error(n: int, irregular: bool) -> tuple[float, float]:
+    """Return the root mean square and the largest distance from a hyperbolic surface that is clamped at one side, held at two others, and
+    free at the last, against its size."""
+    surface = strip_of_parallel_pseudosphere()
+    V, F, uv = surface.patch(n, irregular)
+    t, a = ((uv - surface.low) / np.subtract(surface.high, surface.low)).T
+    size = float(np.ptp(V, axis=0).max())
+    # A strip of supports holds the slope, too: the data of Cauchy's problem.
+    held = (t <= 0.25 + 1e-9) | (np.abs(a - 0.5) > 0.5 - 1e-9)
+    off = 0.08 * size * ~held * (t - 0.25) * a * (1 - a) * (2 + a)
+    problem = CGCProblem(V + off[:, None] * vertex_normals(V, F), F).with_supports(np.flatnonzero(held).tolist())
+    solution = polish(problem.with_laws({0: surface.law}))
+    assert solution.status == "converged", solution.message
+    distances = surface.distances(solution.vertices, uv)[problem.movable] / size
+    return float(np.sqrt((distances**2).mean())), float(distances.max())
+
+
+@pytest.mark.parametrize("irregular", [False, True], ids=["regular", "irregular"])
+def test_a_hyperbolic_law_without_characteristic_edges_is_of_second_order(irregular):
+    errors = [_clamped_error(n, irregular)[0] for n in (12, 24)]
+    assert np.log2(errors[0] / errors[1]) > 1.8
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("irregular", [False, True], ids=["regular", "irregular"])
+def test_a_hyperbolic_law_under_refinement(irregular):
+    errors = [_clamped_error(n, irregular) for n in (12, 24, 44)]
+    assert np.log(errors[0][0] / errors[-1][0]) / np.log(44 / 12) > 1.8
+    assert errors[-1][1] < 1e-3  # at 2,025 vertices
 
 
 @pytest.mark.parametrize("law", [None, TotalCurvature(2 / 1.3**2)], ids=["linear", "nonlinear"])

@@ -19,6 +19,8 @@ export class Model {
     this.goals = data.goals;
     this.targets = data.targets;
     this.vertexTargets = data.vertex_targets;
+    /** @type {Record<string, string>} those other than constant K, by region */
+    this.laws = data.laws ?? {};
     this.settings = data.settings ?? {};
     this.method = data.method ?? null;
     this.names = data.names ?? [];

@@ -11,7 +11,7 @@ const MANY = 12; // number of regions above which they are grouped
 export class Regions {
   /**
    * @param {HTMLElement} room
-   * @param {{change: (key: string, held: boolean) => void, release: () => void, over: (regions: number[]) => void, name: (region: number, name: string) => void, colour: (region: number, colour: string) => void}} listener
+   * @param {{change: (key: string, held: boolean) => void, release: () => void, over: (regions: number[]) => void, law: (region: number, law: string) => void, name: (region: number, name: string) => void, colour: (region: number, colour: string) => void}} listener
    */
   constructor(room, listener) {
     this.room = room;
@@ -97,7 +97,7 @@ export class Regions {
    */
   follow(follows) {
     this.room.classList.toggle('follows', follows);
-    for (const { slider, number } of this.rows) slider.disabled = number.disabled = follows;
+    for (const { slider, number, regions } of this.rows) slider.disabled = number.disabled = follows || this.hasLaw(regions);
     this.refresh();
   }
 
@@ -125,7 +125,8 @@ export class Regions {
     const track = document.createElement('span');
     track.className = 'track';
     track.append(slider, mark);
-    element.append(one >= 0 ? this.swatch(one, name, colour) : plainDot(colour), one >= 0 ? this.title(one, name) : plainTitle(name), radius, track, number);
+    const law = one >= 0 ? this.lawField(one, name) : null;
+    element.append(one >= 0 ? this.swatch(one, name, colour) : plainDot(colour), one >= 0 ? this.title(one, name) : plainTitle(name), radius, track, number, ...(law ? [law] : []));
     let pointed = false;
     slider.addEventListener('pointerdown', () => (pointed = true));
     slider.addEventListener('keydown', () => (pointed = false));
@@ -143,6 +144,20 @@ export class Regions {
     for (const event of ['pointerenter', 'focusin']) element.addEventListener(event, () => this.listener.over(lit));
     for (const event of ['pointerleave', 'focusout']) element.addEventListener(event, () => this.listener.over([]));
     return { element, number, slider, radius, mark, regions, reach };
+  }
+
+  lawField(region, name) {
+    const field = document.createElement('input');
+    const title = 'Law of this region: empty for constant K; minimal, H = 0.1 or 2 H + 0.5 K = 0.3, with the mean curvature H';
+    const value = this.model.laws[region] ?? '';
+    Object.assign(field, { type: 'text', className: 'law', value, placeholder: 'constant K', ariaLabel: `Law of ${name}`, maxLength: 60, title });
+    field.addEventListener('change', () => this.listener.law(region, field.value));
+    return field;
+  }
+
+  /** Whether a row is that of one region with a law other than constant K. */
+  hasLaw(regions) {
+    return regions.length === 1 && Boolean(this.model.laws[regions[0]]);
   }
 
   swatch(region, name, colour) {
@@ -190,12 +205,12 @@ export class Regions {
       const values = new Set(regions.map((region) => this.targets[region]));
       const first = leading(regions.map((region) => this.targets[region]));
       const K = this.targets[regions[first]];
-      const same = values.size === 1 && K !== null;
+      const same = values.size === 1 && K !== null && !this.hasLaw(regions);
       // A computed K has more digits than fit in the field.
       showNumber(number, !same ? '' : number.disabled ? Number(K.toPrecision(3)) : K);
-      number.placeholder = same ? '' : 'various';
+      number.placeholder = same || this.hasLaw(regions) ? '' : 'various';
       slider.value = Math.round(((K ?? 0) / reach) * STEPS);
-      radius.textContent = same ? shape(K, this.model.unit) : K === null ? '' : 'in proportion';
+      radius.textContent = same ? shape(K, this.model.unit) : K === null || this.hasLaw(regions) ? '' : 'in proportion';
       slider.ariaValueText = same ? `${readable(K)}, ${radius.textContent}` : K === null ? 'various' : `various, the largest ${readable(K)}`;
       const most = this.limit?.[regions[first]];
       const place = 0.5 + (0.5 * (most ?? 2 * reach)) / reach;

@@ -101,7 +101,7 @@ export class Solving {
       ...model.mesh,
       creases: model.creases,
       targets: model.targetsOfVertices(regions.targets),
-      ...(data.laws ? { laws: data.laws } : {}),
+      ...(Object.keys(model.laws).length ? { laws: model.laws } : {}),
       ...asked(model.goals, data.wishes),
       ...settings.asked,
     };

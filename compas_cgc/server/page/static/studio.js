@@ -4,7 +4,7 @@ import { showNotes, showTitle } from './about.js';
 import { showColumns } from './columns.js';
 import { listen } from './commands.js';
 import { Crown } from './crown.js';
-import { heldIn, withChoice, withColour, withGoals, withHeight, withName } from './design/edits.js';
+import { heldIn, withChoice, withColour, withGoals, withHeight, withLaw, withName } from './design/edits.js';
 import { History } from './design/history.js';
 import { Board } from './draw/board.js';
 import { Desk } from './draw/desk.js';
@@ -51,6 +51,7 @@ export class Studio {
       change: (key, held) => this.given(key, held),
       release: () => this.solving.release(),
       over: (regions) => this.light(regions),
+      law: (region, law) => this.edit(withLaw(this.data, region, law), `law ${region}`),
       name: (region, name) => this.dress(withName(this.data, region, name)),
       colour: (region, colour) => this.dress(withColour(this.data, region, colour), `colour ${region}`),
     });

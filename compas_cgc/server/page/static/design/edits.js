@@ -90,7 +90,7 @@ export function withoutCrease(data, vertex) {
   );
 }
 
-/** Renumber the regions; each keeps K, name and colour of the old region with the largest overlap. */
+/** Renumber the regions; each keeps K, law, name and colour of the old region with the largest overlap. */
 function divided(data, creases) {
   const regions = regionsOf(Uint32Array.from(data.faces.flat()), creases, data.vertices.length);
   const count = Math.max(...regions) + 1;
@@ -108,6 +108,7 @@ function divided(data, creases) {
     creases,
     regions,
     targets: from.map((old) => data.targets[old]),
+    laws: Object.fromEntries(from.flatMap((old, region) => (data.laws?.[old] ? [[region, data.laws[old]]] : []))),
     names: kept(data.names),
     colours: kept(data.colours),
     problems: [],
@@ -138,6 +139,19 @@ export function withName(data, region, name) {
  */
 export function withColour(data, region, colour) {
   return { ...data, colours: data.targets.map((_, each) => (each === region ? colour : (data.colours?.[each] ?? null))) };
+}
+
+/**
+ * Give a region a law other than constant K, or constant K again.
+ * @param {Data} data
+ * @param {number} region
+ * @param {string} law such as minimal or H = 0.1, empty for constant K
+ * @returns {Data}
+ */
+export function withLaw(data, region, law) {
+  const { [region]: _, ...laws } = data.laws ?? {};
+  const targets = data.targets.map((K, each) => (each === region ? (K ?? 0) : K));
+  return { ...data, targets, laws: law.trim() ? { ...laws, [region]: law.trim() } : laws };
 }
 
 /**
