@@ -153,7 +153,7 @@ def test_unknown_examples_are_refused_in_words():
 SCRIPTS = sorted((Path(__file__).parents[2] / "examples").glob("example*.py"))
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+@pytest.mark.parametrize("script", [*SCRIPTS, Path(__file__).parents[2] / "examples" / "cushion_field.py"], ids=lambda script: script.stem)
 def test_scripts_run(script, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(script), run_name="__main__")

@@ -46,6 +46,7 @@ from .trace import direction_field
 
 __all__ = ["CurveNet", "NetCurve", "curve_net", "plural", "usual_spacing"]
 
+KINDS = {"curvature": CURVATURE, "asymptotic": ASYMPTOTIC}
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
 DEFAULT_SPACING = 1.0 / 12.0  # relative to the size of a region
 DEFAULT_STOP = 0.5  # least distance of parallel lines of curvature relative to the spacing
@@ -191,18 +192,20 @@ def curve_net(
     *,
     through: Union[str, ArrayLike, None] = None,
     regions: Optional[Sequence[int]] = None,
+    kind: Optional[str] = None,
     stop: float = DEFAULT_STOP,
     rough: bool = False,
 ) -> CurveNet:
     """Trace lines of curvature where K > 0, asymptotic curves where K < 0, and rulings where K = 0.
 
     Asymptotic curves of a surface of constant K < 0 form a net with equal sides (Chebyshev net), and twist by ``sqrt(-K)`` per unit
-    length: they can be built from identical straight laths.
+    length: they can be built from identical straight laths. In regions with another law lines of curvature are traced; on a minimal
+    surface they cross the asymptotic curves at 45°.
 
     Parameters
     ----------
     surface
-        Solved result, mesh or problem with one target K per region.
+        Solved result, mesh or problem with one target K or another law per region.
     spacing
         Distance between curves along those that they cross [L]. Default: 1/12 of the size of the region. Ignored with
         `through`.
@@ -211,6 +214,8 @@ def curve_net(
         each region.
     regions
         Numbers of regions. Default: all.
+    kind
+        ``"curvature"`` or ``"asymptotic"`` for all of these regions. Default: by their targets and laws.
     stop
         Stop distance relative to the spacing: lines of curvature end where they come nearer to each other, as towards corners.
         0 disables it.
@@ -235,6 +240,8 @@ def curve_net(
     problem = solved_problem(surface, rough)
     if spacing is not None and not (np.isfinite(checked_number(spacing, "spacing")) and spacing > 0):
         raise CGCError(f"the spacing must be larger than 0, not {spacing:g}")
+    if kind is not None and kind not in KINDS:
+        raise CGCError(f"kind must be {' or '.join(KINDS)}, not {kind!r}")
     targets, label = problem.region_targets(), problem.regions()
     if not 0.0 <= checked_number(stop, "stop") < 1.0:
         raise CGCError(f"the stop distance, relative to the spacing, must be at least 0 and less than 1, not {stop:g}")
@@ -248,27 +255,27 @@ def curve_net(
     for region in chosen:
         own = np.flatnonzero(label == region)
         K = targets[region]
-        if K is None:
+        if K is None and region not in problem.laws:
             raise CGCError(f"region {region} has no single target K, which determines the kind of curves; set one and solve first")
-        kind = _kind(problem, K, own)
-        field = _field(problem, region, own, kind == RULING)
+        traced_kind = KINDS[kind] if kind else CURVATURE if K is None else _kind(problem, K, own)
+        field = _field(problem, region, own, traced_kind == RULING)
         size = _size(problem, own)
         step = spacing or size * DEFAULT_SPACING
         refuse_other_units("the spacing", step, size, problem.drawing.units)
         check_spacing(size, step, region)
         equal: Optional[ChebyshevNet] = None
-        if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
+        if _is_flat(field, size) or (traced_kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
-            if kind == ASYMPTOTIC:
+            if traced_kind == ASYMPTOTIC and K is not None and K < 0.0:
                 equal = _equal_net(problem, region, own, step, K)
-            traced = grown_net(field, kind, step, size, stop) if equal is None else equal.lines
+            traced = grown_net(field, traced_kind, step, size, stop) if equal is None else equal.lines
         else:
-            traced = curves_through(field, kind, points, _supports_of(problem, region, through))
+            traced = curves_through(field, traced_kind, points, _supports_of(problem, region, through))
         if not any(traced):
-            notes.append(f"region {region} has no {plural(NAMES[kind])}{_why(field, kind, size)}")
+            notes.append(f"region {region} has no {plural(NAMES[traced_kind])}{_why(field, traced_kind, size)}")
             continue
-        if kind == ASYMPTOTIC and points is None and equal is None:
+        if traced_kind == ASYMPTOTIC and K is not None and K < 0.0 and points is None and equal is None:
             notes.append(
                 f"region {region} has no net of equal sides, because of a hole or a point where more than two asymptotic curves meet; "
                 "its curves are traced one by one"
@@ -282,7 +289,7 @@ def curve_net(
         nodes.append(places)
         sides.append(pairs + first)
         lengths.append(along)
-        curves += [_curve(region, kind, family, curve, own) for family in (0, 1) for curve in traced[family]]
+        curves += [_curve(region, traced_kind, family, curve, own) for family in (0, 1) for curve in traced[family]]
     if not curves:
         raise CGCError("; ".join(notes))
     one = None if points is not None else spacing or (step if len(chosen) == 1 else None)
