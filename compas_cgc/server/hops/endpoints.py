@@ -59,7 +59,7 @@ LAW = Input(
     "Law",
     "L",
     "Text",
-    "Laws other than constant K, separated by semicolons: minimal or H = 0.1 for all regions, 2=minimal; 4=H = 0.1 by region. Empty for none.",
+    "Laws other than constant K: minimal or H = 0.1 for all regions, or 2=minimal; 4=H = 0.1 by region. Empty for none.",
     default="",
 )
 
