@@ -78,11 +78,28 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     argv
         Arguments. Default: those of the process.
     """
+    _end_cleanly_on_signals()
+    try:
+        return _run(sys.argv[1:] if argv is None else argv)
+    except KeyboardInterrupt:
+        print("compas-cgc: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader of the pipe has closed it; avoid an error message of Python at exit.
+        sys.stdout = None
+        return 0
+    except (ValueError, OSError) as error:
+        print(f"compas-cgc: {error}", file=sys.stderr)
+        return REFUSED
+
+
+def _run(argv: Sequence[str]) -> int:
+    """Parse the arguments and run the command."""
     for stream in (sys.stdout, sys.stderr):
         # A console that cannot print K̄ must not end a solve.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    words = [_without_quotes(word) for word in (sys.argv[1:] if argv is None else argv)]
+    words = [_without_quotes(word) for word in argv]
     if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in READ_SUFFIXES:
         print(f"compas-cgc: {words[0]} is a file; put a command before it, such as compas-cgc check {words[0]}", file=sys.stderr)
         return REFUSED
@@ -97,20 +114,8 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     arguments, unknown = parser.parse_known_args(words)
     if unknown:
         parser.of(words[0]).refuse_unknown(unknown)
-    _end_cleanly_on_signals()
-    try:
-        with compiling(quiet=getattr(arguments, "quiet", False)), _signals_in_kernels():
-            return arguments.run(arguments)
-    except KeyboardInterrupt:
-        print("compas-cgc: interrupted", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
-        # The reader of the pipe has closed it; avoid an error message of Python at exit.
-        sys.stdout = None
-        return 0
-    except (ValueError, OSError) as error:
-        print(f"compas-cgc: {error}", file=sys.stderr)
-        return REFUSED
+    with compiling(quiet=getattr(arguments, "quiet", False)), _signals_in_kernels():
+        return arguments.run(arguments)
 
 
 @contextmanager

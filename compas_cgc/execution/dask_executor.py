@@ -127,11 +127,12 @@ class DaskExecutor:
         urgent: bool = False,
         client: str = "",
         memory_limit: Optional[int] = None,
+        alike: str = "",
     ) -> Task:
         """Queue a call, see :meth:`~compas_cgc.execution.protocol.TaskExecutor.start`."""
         if self._closing.is_set():
             raise RuntimeError("the executor is closed; no task can be started")
-        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent, client, memory_limit)
+        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent, client, memory_limit, alike)
         self._inbox.put(Message("task", task))
         return task
 
@@ -249,7 +250,7 @@ class DaskExecutor:
                 # The worker that was asked to end the task is lost, and nobody wants it begun again.
                 self._beginnings.pop(run.task, None)
                 if self._begun(run):
-                    run.task.set_exception(TaskStopped(run.task.stop_reason))
+                    run.task.set_exception(run.task.stopped())
             elif self._beginnings[run.task] >= MAX_STARTS:
                 self._beginnings.pop(run.task)
                 text = f"the Dask scheduler ended {MAX_STARTS} times during this job; submit the job again"
@@ -290,14 +291,14 @@ class DaskExecutor:
         if run.started is None:
             return
         if task.time_limit is not None and now - run.started > task.time_limit:
-            task.stop(f"it exceeded the time limit of {task.time_limit:g} s", self._grace)
+            task.stop(f"it exceeded the time limit of {task.time_limit:g} s", self._grace, exceeded=True)
         if task.stop_reason is None:
             return
         if not run.asked:
             run.asked = True
             self._errands.submit(self._ask, run)
         if not task.done() and now - task.stop_time > min(task.grace, self._grace):
-            task.set_exception(TaskStopped(task.stop_reason))
+            task.set_exception(task.stopped())
         if now - task.stop_time > self._grace and not run.restarted:
             run.restarted = True
             log.error("the task %s on %s does not stop on request", run.name, run.address)
@@ -314,7 +315,7 @@ class DaskExecutor:
         free = sorted(address for address, count in self._slots.items() for _ in range(count - busy.get(address, 0)))
         for task in list(self._waiting):
             if task.stop_reason is not None and not task.done():
-                task.set_exception(TaskStopped(task.stop_reason))
+                task.set_exception(task.stopped())
             if task.done():
                 self._waiting.remove(task)
                 self._beginnings.pop(task, None)

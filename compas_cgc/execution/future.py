@@ -11,7 +11,7 @@ from typing import Callable
 from typing import Optional
 from typing import Union
 
-__all__ = ["Arguments", "Task", "TaskError", "TaskStopped", "WorkerDied", "place", "start", "stop", "wait_for"]
+__all__ = ["Arguments", "LimitExceeded", "Task", "TaskError", "TaskStopped", "WorkerDied", "place", "start", "stop", "wait_for"]
 
 POLL_INTERVAL = 0.1  # time between two checks whether the client is still connected [s]
 MAX_OVERTAKEN = 5.0  # waiting time after which urgent tasks no longer overtake a task [s]
@@ -28,6 +28,10 @@ class WorkerDied(RuntimeError):
 
 class TaskStopped(RuntimeError):
     """A task was ended by force: it did not stop within the grace period."""
+
+
+class LimitExceeded(TaskStopped):
+    """A task was ended by force: it took more time or memory than it may."""
 
 
 class TaskError(RuntimeError):
@@ -65,6 +69,8 @@ class Task(Future):
         Name of the client; workers are shared among clients.
     memory_limit
         Largest memory of its process [bytes]; beyond it the process is ended.
+    alike
+        Name of the calls that are expected to take about as long. Default: the client.
     since
         Submission time.
     on_late
@@ -81,16 +87,19 @@ class Task(Future):
         urgent: bool = False,
         client: str = "",
         memory_limit: Optional[int] = None,
+        alike: str = "",
     ):
         super().__init__()
         self.call: Optional[tuple] = call  # released once it is sent
         self.client = client
         self.memory_limit = memory_limit
+        self.alike = alike or client
         self.long = False  # known to take longer than a short call
         self.on_progress = on_progress
         self.time_limit = time_limit
         self.on_late: Optional[Callable[[Any], object]] = None
         self.stop_reason: Optional[str] = None
+        self.exceeded = False  # whether it is stopped for a limit
         self.stop_time = 0.0
         self.grace = GRACE
         self.urgent = urgent
@@ -102,12 +111,17 @@ class Task(Future):
         function, args, kwargs = self.call
         return function, args() if callable(args) else args, kwargs
 
-    def stop(self, reason: str = "cancelled", grace: float = GRACE) -> None:
+    def stop(self, reason: str = "cancelled", grace: float = GRACE, exceeded: bool = False) -> None:
         """Cancel a queued task, or request that a running task stop."""
         if not self.cancel() and self.stop_reason is None:
             self.stop_time = time.monotonic()
             self.grace = grace
+            self.exceeded = exceeded
             self.stop_reason = reason
+
+    def stopped(self) -> TaskStopped:
+        """Return the exception of a task that was asked to stop and did not."""
+        return (LimitExceeded if self.exceeded else TaskStopped)(self.stop_reason)
 
 
 def place(task: Task, waiting: Sequence[Task]) -> int:
@@ -127,13 +141,14 @@ def start(
     urgent: bool = False,
     client: str = "",
     memory_limit: Optional[int] = None,
+    alike: str = "",
 ) -> Future:
     """Start a call; a plain executor runs it without reports, and it cannot be stopped."""
     own = getattr(executor, "start", None)
     if own is None:
         return executor.submit(function, *(args() if callable(args) else args))
     limits = {"time_limit": time_limit, "memory_limit": memory_limit}
-    return own(function, args, on_progress=on_progress, urgent=urgent, client=client, **limits)
+    return own(function, args, on_progress=on_progress, urgent=urgent, client=client, alike=alike, **limits)
 
 
 def stop(task: Optional[Future], reason: str) -> None:

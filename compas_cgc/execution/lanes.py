@@ -15,6 +15,7 @@ __all__ = ["ANY", "CALLS", "SHORT", "SHORT_SECONDS", "Lanes"]
 # Lanes by the tasks that they take: all, urgent ones, urgent ones that are expected to be short.
 ANY, CALLS, SHORT = "any", "calls", "short"
 SHORT_SECONDS = 0.5  # a call that takes longer leaves the short lane when another call waits for it
+SHORT_LANES = 2
 MEMORY = 600.0  # seconds for which a client counts as active, and its calls as long after a long one
 
 
@@ -26,45 +27,45 @@ class Lanes:
     workers
         Number of lanes that take any task.
     reserved
-        Number of further lanes for urgent tasks. If there are two or more, the last takes short ones only.
+        Number of further lanes for urgent tasks. The first takes all of them, the second and third short ones only, and any others all.
     """
 
     def __init__(self, workers: int, reserved: int = 0):
-        self.kinds = [ANY] * workers + [CALLS] * reserved
-        if reserved > 1:
-            self.kinds[-1] = SHORT
+        short = min(SHORT_LANES, max(0, reserved - 1))
+        self.kinds = [ANY] * workers + [CALLS] * (reserved - short) + [SHORT] * short
         self._seen: dict[str, float] = {}  # last submission by client
         self._served: dict[str, float] = {}  # last start by client
-        self._long: dict[str, float] = {}  # last long call by client
-        self._short: dict[str, float] = {}  # last short call by client, if no long one followed
+        self._long: dict[str, float] = {}  # last long call of those alike
+        self._short: dict[str, float] = {}  # last short call of those alike, if no long one followed
 
     def submitted(self, task: Task) -> None:
-        """Note a new task; calls of a client whose last one was long do not begin on the short lane."""
+        """Note a new task; a call does not begin on a short lane if the last one alike was long."""
         now = task.since
         for memory in (self._seen, self._served, self._long, self._short):
-            for client in [client for client, moment in memory.items() if now - moment > MEMORY]:
-                del memory[client]
+            for name in [name for name, moment in memory.items() if now - moment > MEMORY]:
+                del memory[name]
         self._seen[task.client] = now
-        task.long = task.long or task.client in self._long
+        task.long = task.long or task.alike in self._long
 
     def ended(self, task: Task, seconds: float) -> None:
-        """Note how long a call of a client took."""
+        """Note how long a call took."""
         if task.urgent and seconds <= SHORT_SECONDS:
-            self._long.pop(task.client, None)
-            self._short[task.client] = time.monotonic()
+            self._long.pop(task.alike, None)
+            self._short[task.alike] = time.monotonic()
         elif task.urgent:
-            self._short.pop(task.client, None)
+            self._short.pop(task.alike, None)
 
     def moved(self, task: Task) -> None:
         """Note that a call turned out to be long."""
         task.long = True
-        self._long[task.client] = time.monotonic()
-        self._short.pop(task.client, None)
+        self._long[task.alike] = time.monotonic()
+        self._short.pop(task.alike, None)
 
-    def pick(self, lane: str, waiting: Sequence[Task], running: Iterable[Task]) -> Optional[Task]:
+    def pick(self, lane: str, waiting: Sequence[Task], running: Iterable[Task], free: int = 1) -> Optional[Task]:
         """Return the task that a free lane takes: of the client that holds the fewest lanes, and was served the longest ago.
 
-        The short lane prefers clients whose last call was short.
+        Short lanes prefer calls that are known to be short. If there are several, the last free one takes no others, so that these
+        do not wait for calls that turn out to be long.
 
         Parameters
         ----------
@@ -74,17 +75,24 @@ class Lanes:
             Tasks in the order of :func:`~compas_cgc.execution.future.place`.
         running
             Tasks on the lanes that take any task.
+        free
+            Number of free lanes of this kind.
         """
         held = Counter(task.client for task in running)
         lanes = self.kinds.count(ANY)
         # A client alone may use all lanes.
         most = max(1, lanes - 1) if len(self._seen) > 1 else lanes
-        open_to = [task for task in waiting if self._admits(lane, task) and (lane != ANY or held[task.client] < most)]
+        known = lane == SHORT and free == 1 and self.kinds.count(SHORT) > 1
+        open_to = [
+            task
+            for task in waiting
+            if self._admits(lane, task) and (lane != ANY or held[task.client] < most) and (task.alike in self._short or not known)
+        ]
         # The first in the queue tells whether it is the turn of urgent tasks.
         turn = [task for task in open_to if task.urgent == open_to[0].urgent]
 
         def order(task: Task) -> tuple[bool, int, float]:
-            return lane == SHORT and task.client not in self._short, held[task.client], self._served.get(task.client, 0.0)
+            return lane == SHORT and task.alike not in self._short, held[task.client], self._served.get(task.client, 0.0)
 
         found = min(turn, key=order, default=None)
         if found is not None:

@@ -15,6 +15,7 @@ from typing import Callable
 from typing import Optional
 
 from .future import Arguments
+from .future import LimitExceeded
 from .future import Task
 from .future import TaskError
 from .future import TaskStopped
@@ -50,7 +51,7 @@ class WorkerPool(Executor):
     grace
         Time between the request to stop a task and killing its process [s].
     reserved
-        Number of additional processes for urgent tasks only; the last of two or more runs short ones only.
+        Number of additional processes for urgent tasks only; the second and third run short ones only.
 
     Attributes
     ----------
@@ -88,9 +89,10 @@ class WorkerPool(Executor):
         urgent: bool = False,
         client: str = "",
         memory_limit: Optional[int] = None,
+        alike: str = "",
     ) -> Task:
         """Queue a call with a listener for its reports, limits on time [s] and memory [bytes], and optional priority."""
-        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent, client, memory_limit)
+        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent, client, memory_limit, alike)
         with self._change:
             if self._closed:
                 raise RuntimeError("the pool is closed; no task can be started")
@@ -159,7 +161,10 @@ class WorkerPool(Executor):
             return False
 
     def _start(self, slot: WorkerHandle) -> bool:
-        slot.state = "starting"
+        with self._change:
+            slot.state = "starting"
+            # The end of a task is awaited, whether its worker outlived it or not.
+            self._change.notify_all()
         slot.line, theirs = self._context.Pipe()
         slot.flag = self._context.RawValue("b", 0)
         slot.process = self._context.Process(target=run_tasks, args=(theirs, slot.flag, self._warm_up), daemon=True)
@@ -203,7 +208,7 @@ class WorkerPool(Executor):
                 if not (task.running() or task.set_running_or_notify_cancel()):
                     continue
                 if task.stop_reason is not None:
-                    _fail(task, TaskStopped(task.stop_reason))
+                    _fail(task, task.stopped())
                     continue
                 slot.state, slot.task = "busy", task
             try:
@@ -216,15 +221,17 @@ class WorkerPool(Executor):
     def _next(self, slot: WorkerHandle) -> Optional[Task]:
         """Return the queued task that a worker runs next."""
         running = [own.task for own in self._slots if own.lane == ANY and own.task is not None]
-        return self._lanes.pick(slot.lane, self._waiting, running)
+        free = sum(own.lane == slot.lane and own.state == "idle" for own in self._slots)
+        return self._lanes.pick(slot.lane, self._waiting, running, free)
 
     def _run(self, slot: WorkerHandle, task: Task) -> bool:
         """Run a task; return whether the process is still alive."""
         slot.flag.value = 0
         started = time.monotonic()
         # On a busy machine short tasks take long because they wait for a processor.
-        delayed = slot.delayed()
+        began, used = slot.clock(), slot.used()
         moving: Optional[float] = None  # since when the task is asked to leave the short lane
+        stopping: Optional[float] = None  # since when it is asked to stop
         try:
             slot.line.send(task.prepared())
             if slot.lane != SHORT:
@@ -236,26 +243,27 @@ class WorkerPool(Executor):
             if self._closed:
                 _fail(task, TaskStopped("the server was stopped"))
                 return False
-            now = time.monotonic()
+            now, own = time.monotonic(), slot.clock()
             if task.time_limit is not None and now - started > task.time_limit:
-                task.stop(f"it exceeded the time limit of {task.time_limit:g} s", self._grace)
+                task.stop(f"it exceeded the time limit of {task.time_limit:g} s", self._grace, exceeded=True)
             if task.memory_limit is not None and slot.resident() > task.memory_limit:
-                _fail(task, TaskStopped(f"it exceeded the memory limit of {task.memory_limit / 2**20:.0f} MB"))
+                _fail(task, LimitExceeded(f"it exceeded the memory limit of {task.memory_limit / 2**20:.0f} MB"))
                 slot.end()
                 return False
-            if task.stop_reason is None and moving is None and self._should_move(slot, now - started - (slot.delayed() - delayed)):
-                moving = now
+            if task.stop_reason is None and moving is None and self._should_move(slot, own - began):
+                moving = own
                 slot.flag.value = 1
-            if moving is not None and task.stop_reason is None and now - moving > self._grace:
+            if moving is not None and task.stop_reason is None and own - moving > self._grace:
                 slot.end()
                 self._move(task)
                 return False
             if task.stop_reason is not None:
                 slot.flag.value = 1
+                stopping = own if stopping is None else stopping
                 if not task.done() and now - task.stop_time > min(task.grace, self._grace):
                     # Report the stop now, but give the worker more time, as a new one would have to warm up.
-                    task.set_exception(TaskStopped(task.stop_reason))
-                if now - task.stop_time > self._grace:
+                    task.set_exception(task.stopped())
+                if own - stopping > self._grace:
                     slot.end()
                     return False
             if slot.line not in connection.wait([slot.line, slot.process.sentinel], POLL_INTERVAL) and slot.process.is_alive():
@@ -274,7 +282,8 @@ class WorkerPool(Executor):
             if kind == "progress":
                 _tell(task, content)
                 continue
-            self._lanes.ended(task, time.monotonic() - started - (slot.delayed() - delayed))
+            done = slot.used()
+            self._lanes.ended(task, slot.clock() - began if used is None or done is None else done - used)
             if kind == "stopped" and moving is not None and task.stop_reason is None:
                 self._move(task)
                 return True

@@ -48,6 +48,7 @@ class TaskExecutor(Protocol):
         urgent: bool = False,
         client: str = "",
         memory_limit: Optional[int] = None,
+        alike: str = "",
     ) -> Task:
         """Queue a call and return at once.
 
@@ -72,6 +73,8 @@ class TaskExecutor(Protocol):
             Name of the client. Workers are shared among clients.
         memory_limit
             Largest memory of its process [bytes], enforced by executors that can measure it.
+        alike
+            Name of the calls that are expected to take about as long. Default: the client.
 
         Raises
         ------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from multiprocessing import connection
 from multiprocessing import process
 from pathlib import Path
@@ -57,12 +58,23 @@ class WorkerHandle:
         except (OSError, IndexError, ValueError):
             return 0
 
-    def delayed(self) -> float:
-        """Return the seconds for which the process was ready, but other processes had the processors; 0 where this is not reported."""
+    def clock(self) -> float:
+        """Return a time [s] that stands still while the process is ready, but other processes have the processors.
+
+        On a busy machine, a process gets no less of this time. Where the system does not report the delays, it is the usual time.
+        """
+        return time.monotonic() - self._scheduled()[1]
+
+    def used(self) -> Optional[float]:
+        """Return the seconds for which the process had a processor, None where this is not reported."""
+        return self._scheduled()[0]
+
+    def _scheduled(self) -> tuple[Optional[float], float]:
         try:
-            return int(Path(f"/proc/{self.process.pid}/schedstat").read_text().split()[1]) * 1e-9
-        except (OSError, IndexError, ValueError):
-            return 0.0
+            ran, waited = Path(f"/proc/{self.process.pid}/schedstat").read_text().split()[:2]
+            return int(ran) * 1e-9, int(waited) * 1e-9
+        except (OSError, ValueError):
+            return None, 0.0
 
     def exit_message(self) -> str:
         """Return a message on how the process ended."""

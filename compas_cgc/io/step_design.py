@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import FileError
+from .cursor import guarded
 from .opencascade import EDGE
 from .opencascade import FACE
 from .opencascade import opencascade
@@ -56,13 +57,14 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
         raise FileError(f"{path} cannot be read as a STEP file; export it again, as AP214 or AP242 ({error!s:.80})") from None
     if not faces:
         raise FileError(f"{path} holds no faces; export the design as surfaces, not as curves or meshes")
-    low, high = (np.array(corner) for corner in occt.aabb(shape, True))
-    size = float(np.linalg.norm(high - low))
-    spline = _spline(occt, faces[0]) if len(faces) == 1 else None
-    vertices, triangles = np.empty((0, 3)), np.empty((0, 4), np.int64)
-    if spline is None:
-        vertices, triangles = _triangles(occt, occt.sew(shape) if len(faces) > 1 else shape, size)
-    return DrawnDesign(spline, vertices, triangles, [], [], "Millimeters", TOLERANCE * size, [])
+    with guarded(Path(path)):
+        low, high = (np.array(corner) for corner in occt.aabb(shape, True))
+        size = float(np.linalg.norm(high - low))
+        spline = _spline(occt, faces[0]) if len(faces) == 1 else None
+        vertices, triangles = np.empty((0, 3)), np.empty((0, 4), np.int64)
+        if spline is None:
+            vertices, triangles = _triangles(occt, occt.sew(shape) if len(faces) > 1 else shape, size)
+        return DrawnDesign(spline, vertices, triangles, [], [], "Millimeters", TOLERANCE * size, [])
 
 
 def _spline(occt: Any, face: Any) -> Optional[DrawnSpline]:

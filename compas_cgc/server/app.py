@@ -82,7 +82,7 @@ def create_app(
         whatever its address. Default: no key.
     workers
         Number of worker processes for all solves. Default: one less than the number of processors, at least
-        one. One additional worker runs blocking calls only.
+        one. Further workers run blocking calls only, see ``reserved`` of the limits.
     limits
         Limits on the size and number of requests.
     hosts
@@ -113,7 +113,7 @@ def create_app(
     jobs = app.extensions["jobs"] = Jobs(pool, stored, solve, limits, readers, writers)
     app.extensions["readiness"] = Readiness(jobs.problems)
     app.extensions["metrics"] = Metrics(jobs)
-    app.extensions["bodies"] = ByteBudget(limits.bodies, limits.blocking)
+    app.extensions["bodies"] = ByteBudget(limits.bodies, limits.blocking, limits.light, limits.conversions)
     app.extensions["throttle"] = Throttle()
     app.extensions["wait_slots"] = BoundedSemaphore(limits.streams)
     app.before_request(begin_request)

@@ -52,7 +52,8 @@ class Limits:
     calls
         Largest number of simultaneous blocking solves; each holds a thread.
     reserved
-        Number of additional workers for blocking solves only, so that these do not wait for jobs.
+        Number of additional workers for blocking solves only, so that these do not wait for jobs. The second and third take short
+        ones only, so that these do not wait for long ones.
     connections
         Largest number of connections of one address; beyond it, the connections that have sent the least are closed.
     head_seconds
@@ -62,7 +63,7 @@ class Limits:
     slowest
         Slowest transfer of a request body [bytes/s]; slower ones are dropped after the time `stall`.
     conversions
-        Largest number of files that are read or written simultaneously; each holds a thread.
+        Largest number of large uploads, of files that are read and of files that are written at once; each holds a thread.
     memory
         Largest memory of a worker process [bytes], where the system tells it.
     file_seconds, file_memory
@@ -102,7 +103,7 @@ class Limits:
     remembered: int = 5000
     streams: int = 16
     calls: int = 64
-    reserved: int = 2
+    reserved: int = 3
     connections: int = 128
     head_seconds: float = 10.0
     stall: float = 30.0
@@ -119,4 +120,4 @@ class Limits:
     @property
     def threads(self) -> int:
         """Number of serving threads that leaves one free for short requests at any time."""
-        return self.streams + self.calls + 2 * self.conversions + 8
+        return self.streams + self.calls + 3 * self.conversions + 8

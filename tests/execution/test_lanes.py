@@ -20,14 +20,15 @@ from ..support.dask_cluster import until
 LONG = 100.0
 
 
-def task(client, urgent=False, long=False):
-    own = Task((tasks.add, (1, 1), {}), None, None, urgent, client)
+def task(client, urgent=False, long=False, alike=""):
+    own = Task((tasks.add, (1, 1), {}), None, None, urgent, client, alike=alike)
     own.long = long
     return own
 
 
 def test_lanes_are_for_all_tasks_for_calls_and_for_short_calls():
-    assert Lanes(2).kinds == [ANY, ANY] and Lanes(1, 1).kinds == [ANY, CALLS] and Lanes(1, 3).kinds == [ANY, CALLS, CALLS, SHORT]
+    assert Lanes(2).kinds == [ANY, ANY] and Lanes(1, 1).kinds == [ANY, CALLS] and Lanes(1, 2).kinds == [ANY, CALLS, SHORT]
+    assert Lanes(1, 4).kinds == [ANY, CALLS, CALLS, SHORT, SHORT]
     lanes, job, call, long = Lanes(2, 2), task("a"), task("a", urgent=True), task("a", urgent=True, long=True)
     for lane, found in ((ANY, [job, call, long]), (CALLS, [call, long]), (SHORT, [call])):
         assert [own for own in (job, call, long) if lanes.pick(lane, [own], []) is own] == found
@@ -86,6 +87,24 @@ def test_the_short_lane_prefers_clients_whose_last_call_was_short():
     assert lanes.pick(SHORT, [again, waiting[1]], []) is waiting[1]
 
 
+def test_calls_of_a_client_that_differ_are_known_apart():
+    lanes, slow, fast = Lanes(1, 2), task("a", True, alike="a rationalise"), task("a", True, alike="a dome")
+    lanes.moved(slow)
+    again = [task("a", True, alike=own.alike) for own in (slow, fast)]
+    for own in again:
+        lanes.submitted(own)
+    assert [own.long for own in again] == [True, False]
+
+
+def test_the_last_free_short_lane_is_kept_for_calls_known_to_be_short():
+    lanes, known, new = Lanes(1, 3), task("k", urgent=True), task("a", urgent=True)
+    lanes.ended(known, 0.1)
+    assert lanes.pick(SHORT, [new], [], free=2) is new
+    assert lanes.pick(SHORT, [new], [], free=1) is None
+    assert lanes.pick(SHORT, [new, known], [], free=1) is known
+    assert Lanes(1, 2).pick(SHORT, [new], [], free=1) is new, "the only one is for all"
+
+
 @pytest.fixture(scope="module")
 def pool():
     with WorkerPool(1, grace=0.5, reserved=2) as own:
@@ -131,3 +150,23 @@ def test_arguments_are_fetched_when_a_worker_takes_the_task(pool):
     assert pool.start(tasks.add, lambda: fetched.append(1) or (2, 3)).result(LONG) == 5 and fetched == [1]
     with pytest.raises(ZeroDivisionError):
         pool.start(tasks.add, lambda: 1 / 0).result(LONG)
+
+
+def test_a_call_known_to_be_short_does_not_wait_for_the_start_of_a_worker(tmp_path, monkeypatch):
+    """A call that does not hear is ended with its worker; another worker answers before the next has started."""
+    monkeypatch.setenv("WORKERS_MAY_START", str(tmp_path / "may"))
+    (tmp_path / "may").touch()
+    with WorkerPool(1, tasks.start_when_allowed, grace=0.5, reserved=3) as pool:
+        assert pool.wait_until_ready(LONG)
+        assert pool.start(tasks.add, (1, 2), client="k", urgent=True).result(LONG) == 3
+        busy = []
+        for client, urgent in (("d", False), ("e", True)):
+            busy.append(pool.start(tasks.loop, (LONG,), client=client, urgent=urgent))
+            until(busy[-1].running)
+        (tmp_path / "may").unlink()
+        deaf = [pool.start(time.sleep, (LONG,), client=name, urgent=True) for name in "fgh"]
+        until(lambda: pool.replaced == 1)
+        assert pool.start(tasks.add, (1, 2), client="k", urgent=True).result(LONG) == 3
+        assert pool.health()["starting"] == 1
+        for own in (*busy, *deaf):
+            own.stop()

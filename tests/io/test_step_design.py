@@ -50,3 +50,13 @@ def test_files_without_a_design_get_one_sentence(tmp_path):
         read_design(tmp_path / "missing.step")
     with pytest.raises(CGCError, match="seams on a layer need"):
         read_design(garbage, seams="Joints")
+
+
+def test_a_surface_beyond_all_bounds_is_refused_with_a_sentence(tmp_path):
+    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    compas_cgc.write(tmp_path / "cushion.step", result)
+    text = (tmp_path / "cushion.step").read_text(encoding="utf-8")
+    pole = text.index("CARTESIAN_POINT('',(", text.index("B_SPLINE_SURFACE")) + len("CARTESIAN_POINT('',(")
+    (tmp_path / "far.step").write_text(text[:pole] + "1.E308" + text[text.index(",", pole) :], encoding="utf-8")
+    with pytest.raises(FileError, match=r"far\.step cannot be read"):
+        read_step_design(tmp_path / "far.step")

@@ -41,6 +41,12 @@ def deaf(seconds):
     return "ended"
 
 
+def start_when_allowed():
+    """Wait for the file that the environment variable WORKERS_MAY_START names."""
+    while not os.path.exists(os.environ["WORKERS_MAY_START"]):
+        time.sleep(0.01)
+
+
 def fail(text):
     raise ValueError(text)
 

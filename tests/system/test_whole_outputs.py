@@ -228,6 +228,14 @@ def test_a_signal_in_a_compiled_function_ends_the_command_like_any_other(plan, m
     assert code in (143, INTERRUPTED)
 
 
+def test_an_interrupt_while_a_command_is_loaded_ends_it_like_any_other(monkeypatch, capsys):
+    def load(name):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys.modules["compas_cgc.cli.main"], "build_parser", load)
+    assert main(["check", "plan.json"]) == INTERRUPTED and capsys.readouterr().err == "compas-cgc: interrupted\n"
+
+
 @pytest.mark.parametrize("content", [b"", b"\0" * 40, b"\x80\x05K\x01."])
 @pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
 def test_a_damaged_stored_kernel_is_compiled_anew(tmp_path, suffix, content):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 from typing import NamedTuple
 from typing import Optional
@@ -14,6 +15,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import FileError
+from ..cursor import guarded
 from .archive import Item
 from .archive import list_items
 from .archive import read_archive
@@ -71,6 +73,11 @@ def read_drawn_design(path: Union[str, os.PathLike], seams: Optional[str] = None
     FileError
         If the file cannot be read or holds no surface.
     """
+    with guarded(Path(path)):
+        return _drawn_design(path, seams)
+
+
+def _drawn_design(path: Union[str, os.PathLike], seams: Optional[str]) -> DrawnDesign:
     archive = read_archive(path)
     items = [item for item in list_items(archive) if not item.hidden]
     tolerance = float(archive.Settings.ModelAbsoluteTolerance)
@@ -101,11 +108,12 @@ def read_all_curves(path: Union[str, os.PathLike]) -> list[FloatArray]:
     FileError
         If the file cannot be read or holds no curves.
     """
-    archive = read_archive(path)
-    items = [item for item in list_items(archive) if item.kind == "curve" and not item.hidden]
-    if not items:
-        raise FileError(f"{path} holds no curves; draw the seams in it")
-    return [curve_points(item.geometry, float(archive.Settings.ModelAbsoluteTolerance)) for item in items]
+    with guarded(Path(path)):
+        archive = read_archive(path)
+        items = [item for item in list_items(archive) if item.kind == "curve" and not item.hidden]
+        if not items:
+            raise FileError(f"{path} holds no curves; draw the seams in it")
+        return [curve_points(item.geometry, float(archive.Settings.ModelAbsoluteTolerance)) for item in items]
 
 
 def _last(layer: str) -> str:

@@ -10,12 +10,14 @@ from typing import Callable
 from flask import current_app
 from flask import request
 
+from ...execution.future import LimitExceeded
 from ...execution.future import TaskError
 from ...execution.future import TaskStopped
 from ...execution.future import WorkerDied
 from ..errors import GatewayTimeout
 from ..errors import RequestError
 from ..errors import ServerStopping
+from ..errors import Unprocessable
 from ..errors import WorkerFailed
 from ..jobs.owned import OwnedJobs
 from ..security import client_name
@@ -29,7 +31,7 @@ def jobs() -> OwnedJobs:
     return OwnedJobs(current_app.extensions["jobs"], owner())
 
 
-def run_in_worker(function: Callable, *args: object, hint: str) -> Any:
+def run_in_worker(function: Callable, *args: object, hint: str, alike: str) -> Any:
     """Run a function in a worker and return its result; the function is stopped when the client disconnects.
 
     Parameters
@@ -37,19 +39,21 @@ def run_in_worker(function: Callable, *args: object, hint: str) -> Any:
     function, args
         The function and its arguments. A :class:`RequestError` that it raises is passed on.
     hint
-        Remedy that the error names when the time limit is exceeded.
+        Remedy that the error names when a limit is exceeded.
+    alike
+        Which calls of a client are expected to take about as long.
 
     Raises
     ------
     RequestError
         If the function raises one, the worker fails or the time limit is exceeded.
     """
-    return _waited(partial(jobs().calls.call, function, *args), function, hint)
+    return _waited(partial(jobs().calls.call, function, *args, alike=alike), function, hint)
 
 
 def run_in_reader(function: Callable, *args: object) -> Any:
     """Run a function that reads what a client sent in a process with limits of its own, as :func:`run_in_worker` does."""
-    return _waited(partial(jobs().calls.read, function, *args), function, "use a coarser mesh")
+    return _waited(partial(jobs().calls.read, function, *args), function, "send a smaller file, or a coarser mesh")
 
 
 def run_in_writer(function: Callable, *args: object) -> Any:
@@ -67,6 +71,8 @@ def _waited(run: Callable, function: Callable, hint: str) -> Any:
         if str(error) == "queued":
             raise GatewayTimeout(f"all workers were busy for {seconds:g} s; try again later, or use more --workers") from None
         raise GatewayTimeout(f"the calculation was stopped after {seconds:g} s; {hint}") from None
+    except LimitExceeded as error:
+        raise Unprocessable(f"the calculation was stopped because {error}; {hint}") from None
     except (WorkerDied, TaskStopped) as error:
         raise WorkerFailed(str(error)) from None
     except TaskError as error:

@@ -96,7 +96,7 @@ def submit() -> Response:
         raise Unprocessable("'follow' can only be true; the response is then a stream of events")
     if kind == "json":
         check_length(request.content_length, limits)
-    with current_app.extensions["bodies"].held(request.content_length or 0):
+    with current_app.extensions["bodies"].held(request.content_length or 0, client_name()):
         body = request.get_data(cache=False)
         if kind == "json":
             read = json_submission(body, limits) if is_light(body, limits) else run_in_reader(json_submission, body, limits)
@@ -186,7 +186,7 @@ def moulds(id: str) -> Response:
     if kind not in MOULD_FORMATS:
         raise Unprocessable(f"'format' must be one of {', '.join(MOULD_FORMATS)}")
     options = read_mould_options(request.args)
-    content = run_in_worker(moulds_of, jobs().result(id), options, kind, hint="request fewer panels, or use a coarser mesh")
+    content = run_in_worker(moulds_of, jobs().result(id), options, kind, hint="request fewer panels, or use a coarser mesh", alike="moulds")
     answer = Response(content, mimetype=MOULD_FORMATS[kind])
     if kind == "3dm":
         answer.headers["Content-Disposition"] = 'attachment; filename="moulds.3dm"'

@@ -102,7 +102,7 @@ def _solved_here(body: dict, limits: Limits) -> Response:
         elif uri == "cgc/fetch":
             reply = _fetched(job_asked_for(values), passed_over(endpoint(uri), values))
         else:
-            reply = run_in_worker(run_function, uri, values, context, limits, hint=HINT)
+            reply = run_in_worker(run_function, uri, values, context, limits, hint=HINT, alike=uri)
     except RequestError as error:
         reply = Reply(error.status, [], [str(error)], [], {})
     return _answer(uri, reply, digest)
@@ -114,7 +114,7 @@ def _solved_there(content: bytes, limits: Limits) -> Response:
     kept = _kept(digest)
     if kept is not None:
         return kept
-    done: Answered = run_in_worker(run_request_body, content, limits, hint=HINT)
+    done: Answered = run_in_worker(run_request_body, content, limits, hint=HINT, alike="large requests")
     try:
         reply = done.reply or (_fetched(done.id, done.warnings) if done.job is None else _submitted(done.job, done.warnings))
     except RequestError as error:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import os
+import secrets
 from collections.abc import Iterable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from contextlib import suppress
 from pathlib import Path
 from typing import Optional
 
-from ..._atomic_write import replacing
-
 __all__ = ["Blobs", "blob_name"]
+
+_OWN = secrets.token_hex(8)  # begins the names of files of this process that belong to no job yet
 
 
 class Blobs:
@@ -29,13 +32,33 @@ class Blobs:
         if folder is not None:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
 
-    def put(self, kind: str, id: str, content: bytes) -> None:
-        """Write content, which is on the disk when this returns."""
+    @contextmanager
+    def staged(self, content: bytes) -> Iterator[str]:
+        """Write content to the disk, and delete it at the end of the block unless :meth:`place` gave it a place."""
+        name = f"{_OWN}-{secrets.token_hex(8)}"
         if self.folder is None:
-            self._memory[blob_name(kind, id)] = content
+            self._memory[name] = content
+            try:
+                yield name
+            finally:
+                self._memory.pop(name, None)
             return
-        with replacing(self.folder / blob_name(kind, id)) as temporary:
-            temporary.write_bytes(content)
+        path = self.folder / name
+        try:
+            with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            yield name
+        finally:
+            path.unlink(missing_ok=True)
+
+    def place(self, name: str, kind: str, id: str) -> None:
+        """Make staged content that of a kind and id, without waiting for the disk."""
+        if self.folder is None:
+            self._memory[blob_name(kind, id)] = self._memory.pop(name)
+        else:
+            os.replace(self.folder / name, self.folder / blob_name(kind, id))
 
     def get(self, kind: str, id: str) -> Optional[bytes]:
         """Return content, None if it is not there."""
@@ -59,7 +82,7 @@ class Blobs:
             return
         names = {blob_name(kind, id) for kind, id in known}
         for entry in os.scandir(self.folder):
-            if entry.is_file() and entry.name not in names:
+            if entry.is_file() and entry.name not in names and not entry.name.startswith(_OWN):
                 with suppress(OSError):
                     os.unlink(entry.path)
 

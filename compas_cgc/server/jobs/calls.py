@@ -39,7 +39,14 @@ class Calls:
         self._lock = threading.Lock()
         self._closed = False
 
-    def call(self, function: Callable, *args: object, client: str = "", disconnected: Callable[[], bool] = lambda: False) -> object:
+    def call(
+        self,
+        function: Callable,
+        *args: object,
+        client: str = "",
+        disconnected: Callable[[], bool] = lambda: False,
+        alike: str = "",
+    ) -> object:
         """Run a function in a worker and wait for it.
 
         Parameters
@@ -50,6 +57,8 @@ class Calls:
             Who asks.
         disconnected
             Returns whether the client has disconnected. The function is then stopped.
+        alike
+            Which calls of this client are expected to take about as long.
 
         Raises
         ------
@@ -60,7 +69,7 @@ class Calls:
         """
         # A client waits for this call, unlike for a job.
         return self._waited(
-            self.executor, "calls", "other solves", function, args, client, disconnected, self.limits.seconds, self.limits.memory
+            self.executor, "calls", "other solves", function, args, client, disconnected, self.limits.seconds, self.limits.memory, alike
         )
 
     def read(self, function: Callable, *args: object, client: str = "", disconnected: Callable[[], bool] = lambda: False) -> object:
@@ -87,6 +96,7 @@ class Calls:
         disconnected: Callable[[], bool],
         seconds: float,
         memory: Optional[int],
+        alike: str = "",
     ) -> object:
         slots = self.slots[kind]
         if not slots.acquire(client):
@@ -95,7 +105,8 @@ class Calls:
             with self._lock:
                 if self._closed:
                     raise ServerStopping("the server is shutting down; try again after it has restarted")
-                started = [start(executor, function, args, time_limit=seconds, urgent=True, client=client, memory_limit=memory)]
+                name = f"{client} {alike}"
+                started = [start(executor, function, args, None, seconds, urgent=True, client=client, memory_limit=memory, alike=name)]
             # Drop the reference to the task: its error refers to this frame, and the cycle would keep the arguments in memory.
             return wait_for(started.pop(), self.limits.blocking, disconnected)
         finally:

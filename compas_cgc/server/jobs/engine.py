@@ -32,9 +32,11 @@ from ..errors import Unprocessable
 from ..limits import Limits
 from .calls import Calls
 from .outcome import CANCELLED
+from .outcome import Outcome
 from .outcome import outcome_of
 from .output import JobOutput
 from .store import Job
+from .store import Staged
 from .store import Store
 from .store import owned_id
 
@@ -164,22 +166,33 @@ class Jobs:
         digest = checksum.hexdigest()
         if id is not None and not _ID.fullmatch(id):
             raise Unprocessable("the id of a job must consist of 8 to 64 letters, digits, '-' or '_'")
+        # Without holding up others while the body is written; another request may have taken the id or the room meanwhile.
         with self._change:
-            self._forget()
-            known = self._found(owned_id(owner, id)) if id is not None else None
+            known = self._known_or_room(id, digest, client, owner, len(body))
+        if known is not None:
+            return known, False
+        with self.store.staged(body) as content, self._change:
+            known = self._known_or_room(id, digest, client, owner, len(body))
             if known is not None:
-                if known.digest != digest:
-                    raise Conflict(f"the id {id} belongs to a different request; choose another id")
                 return known, False
-            self.admit(client)
-            self._check_room(owner, len(body))
             id = owned_id(owner, id or secrets.token_urlsafe(16))
             name = str(options.get("name", ""))[:100]
             task = {"task": options["task"]} if "task" in options else {}
             job = Job(id, "queued", time.time(), None, None, 0, client, digest, name, task, None, None)
-            self.store.add(job, kind, options, body)
+            self.store.add(job, kind, options, content)
             self._start(job, kind, options)
         return job, True
+
+    def _known_or_room(self, id: Optional[str], digest: str, client: str, owner: str, size: int) -> Optional[Job]:
+        """Return the job with this id and request; None if there is none, and room for it."""
+        self._forget()
+        known = self._found(owned_id(owner, id)) if id is not None else None
+        if known is None:
+            self.admit(client)
+            self._check_room(owner, size)
+        elif known.digest != digest:
+            raise Conflict(f"the id {id} belongs to a different request; choose another id")
+        return known
 
     def get(self, id: str) -> Job:
         """Return a job with its current progress."""
@@ -502,22 +515,38 @@ class Jobs:
             self._change.notify_all()
 
     def _done(self, job: Job, running: RunningJob, task: Future) -> None:
+        if self._closed or self._running.get(job.id) is not running:
+            return
+        outcome = outcome_of(task)
+        try:
+            with self.store.staged(outcome.content or b"") as content:
+                self._finish(job, running, outcome, None if outcome.content is None else content)
+        except OSError as error:
+            self._lose(job, running, error)
+
+    def _finish(self, job: Job, running: RunningJob, outcome: Outcome, content: Optional[Staged]) -> None:
         with self._change:
             if self._closed or self._running.get(job.id) is not running:
                 return
-            del self._running[job.id]
             # Break the reference cycle between the task and its listeners, which would keep request and result in memory.
             running.task = None
+            self._count(job.id, outcome.state, running)
+            running.progress = {**job.progress, **running.progress, **(outcome.figures or {})}
             try:
-                state, message, content, figures = outcome_of(task)
-                self._count(job.id, state, running)
-                running.progress = {**job.progress, **running.progress, **(figures or {})}
-                self.store.finish(job.id, state, message, running.progress, content)
+                self.store.finish(job.id, outcome.state, outcome.message, running.progress, content)
+                del self._running[job.id]
                 self._tidy(job.id)
-            except sqlite3.Error as error:
-                log.error("the outcome of job %s cannot be stored: %s", job.id, error)
-                text = "the server could not store the result, probably because its disk is full; free disk space and submit the job again"
-                self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=running.progress)
+            except (sqlite3.Error, OSError) as error:
+                self._lose(job, running, error)
             finally:
                 self._forget()
                 self._change.notify_all()
+
+    def _lose(self, job: Job, running: RunningJob, error: Exception) -> None:
+        """End a job whose outcome cannot be stored."""
+        with self._change:
+            log.error("the outcome of job %s cannot be stored: %s", job.id, error)
+            self._running.pop(job.id, None)
+            text = "the server could not store the result, probably because its disk is full; free disk space and submit the job again"
+            self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=running.progress)
+            self._change.notify_all()

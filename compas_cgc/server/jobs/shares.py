@@ -63,29 +63,42 @@ class ByteBudget:
         Bytes. A single body larger than that is let in alone.
     patience
         Seconds to wait.
+    small
+        Size of bodies [bytes] up to which any number may wait.
+    slots
+        Largest number of other bodies that wait or are held.
     """
 
-    def __init__(self, total: int, patience: float):
-        self._total, self._patience = total, patience
+    def __init__(self, total: int, patience: float, small: int, slots: int):
+        self._total, self._patience, self._small = total, patience, small
+        self._slots = Shares(slots)
         self._used = 0
         self._change = threading.Condition()
 
     @contextmanager
-    def held(self, size: int) -> Iterator[None]:
-        """Hold some bytes within a block.
+    def held(self, size: int, client: str = "") -> Iterator[None]:
+        """Hold some bytes of a client within a block.
 
         Raises
         ------
         Busy
-            If others hold them for too long.
+            If too many bodies wait, of this client or in all, or others hold the bytes for too long.
         """
-        with self._change:
-            if not self._change.wait_for(lambda: not self._used or self._used + size <= self._total, self._patience):
-                raise Busy("the server is busy with other large requests; try again in a few seconds", 5.0)
-            self._used += size
+        busy = Busy("the server is busy with other large requests; try again in a few seconds", 5.0)
+        large = size > self._small
+        if large and not self._slots.acquire(client):
+            raise busy
         try:
-            yield
-        finally:
             with self._change:
-                self._used -= size
-                self._change.notify_all()
+                if not self._change.wait_for(lambda: not self._used or self._used + size <= self._total, self._patience):
+                    raise busy
+                self._used += size
+            try:
+                yield
+            finally:
+                with self._change:
+                    self._used -= size
+                    self._change.notify_all()
+        finally:
+            if large:
+                self._slots.release(client)

@@ -21,7 +21,7 @@ from ...errors import FileError
 from ..errors import Gone
 from .blobs import Blobs
 
-__all__ = ["INLINE", "REQUEST", "RESULT", "Job", "Store", "locked", "owned_id", "siblings"]
+__all__ = ["INLINE", "REQUEST", "RESULT", "Job", "Staged", "Store", "locked", "owned_id", "siblings"]
 
 INLINE = 2**16  # bytes up to which content is kept in the tables; larger content is in files
 REQUEST, RESULT = "request", "result"
@@ -73,6 +73,14 @@ class Job(NamedTuple):
 def owned_id(owner: str, id: str) -> str:
     """Return the id under which a job of an owner is stored; two owners may have jobs of the same id."""
     return f"{owner}:{id}" if owner else id
+
+
+class Staged(NamedTuple):
+    """Content that is on the disk, and belongs to no job yet."""
+
+    size: int  # bytes
+    inline: bytes  # what goes into the tables
+    name: Optional[str]  # name of its file, None if all of it goes into the tables
 
 
 class Store:
@@ -195,23 +203,31 @@ class Store:
                 self._base.executescript("PRAGMA incremental_vacuum")
             self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
 
-    def _put(self, kind: str, id: str, content: bytes) -> bytes:
-        """Write large content to a file; return what goes into the table."""
-        if len(content) <= INLINE:
-            return content
-        self.blobs.put(kind, id, content)
-        return b""
+    @contextmanager
+    def staged(self, content: Union[bytes, Staged]) -> Iterator[Staged]:
+        """Write large content to the disk before its job is stored, so that no request waits for the disk of another."""
+        if isinstance(content, Staged):
+            yield content
+        elif len(content) <= INLINE:
+            yield Staged(len(content), content, None)
+        else:
+            with self.blobs.staged(content) as name:
+                yield Staged(len(content), b"", name)
 
-    def add(self, job: Job, kind: str, options: dict, body: bytes) -> None:
+    def _place(self, content: Staged, kind: str, id: str) -> None:
+        if content.name is not None:
+            self.blobs.place(content.name, kind, id)
+
+    def add(self, job: Job, kind: str, options: dict, body: Union[bytes, Staged]) -> None:
         """Store a new job with its request."""
-        with self._lock:
-            inline = self._put(REQUEST, job.id, body)
+        with self.staged(body) as content, self._lock:
+            self._place(content, REQUEST, job.id)
             try:
                 with self._writing() as base:
                     marks = ",".join("?" * len(Job._fields))
                     base.execute(f"INSERT INTO jobs VALUES ({marks})", (*job[:9], json.dumps(job.progress), *job[10:]))
-                    base.execute("INSERT INTO requests VALUES (?,?,?,?)", (job.id, kind, json.dumps(options), inline))
-                    base.execute("INSERT OR REPLACE INTO sizes VALUES (?,?)", (job.id, len(body)))
+                    base.execute("INSERT INTO requests VALUES (?,?,?,?)", (job.id, kind, json.dumps(options), content.inline))
+                    base.execute("INSERT OR REPLACE INTO sizes VALUES (?,?)", (job.id, content.size))
             except sqlite3.Error:
                 self.blobs.delete(REQUEST, job.id)
                 raise
@@ -292,18 +308,18 @@ class Store:
         """Mark a job as queued after a crash of the server, which counts as an attempt."""
         self._change("UPDATE jobs SET state = 'queued', started = NULL WHERE id = ?", id)
 
-    def finish(self, id: str, state: str, message: str, progress: dict, result: Optional[bytes] = None) -> None:
+    def finish(self, id: str, state: str, message: str, progress: dict, result: Union[None, bytes, Staged] = None) -> None:
         """Store the outcome of a job, unless the job was deleted meanwhile."""
-        size = None if result is None else len(result)
-        with self._lock:
-            inline = None if result is None else self._put(RESULT, id, result)
+        with self.staged(result or b"") as content, self._lock:
+            size = None if result is None else content.size
+            self._place(content, RESULT, id)
             with self._writing() as base:
                 done = base.execute(
                     "UPDATE jobs SET state = ?, finished = ?, message = ?, progress = ?, size = ? WHERE id = ?",
                     (state, time.time(), message, json.dumps(progress), size, id),
                 )
-                if done.rowcount and inline is not None:
-                    base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, inline))
+                if done.rowcount and result is not None:
+                    base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, content.inline))
                 base.execute("DELETE FROM requests WHERE id = ?", (id,))
                 base.execute("DELETE FROM sizes WHERE id = ?", (id,))
             self.blobs.delete(REQUEST, id)
@@ -312,10 +328,11 @@ class Store:
 
     def add_result(self, id: str, result: bytes) -> None:
         """Store the late result of a cancelled or failed job, unless the job was deleted meanwhile or already has a result."""
-        with self._writing() as base:
+        with self.staged(result) as content, self._writing() as base:
             query = "UPDATE jobs SET size = ? WHERE id = ? AND size IS NULL AND state IN ('cancelled', 'failed')"
-            if base.execute(query, (len(result), id)).rowcount:
-                base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, self._put(RESULT, id, result)))
+            if base.execute(query, (content.size, id)).rowcount:
+                self._place(content, RESULT, id)
+                base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, content.inline))
 
     def delete(self, id: str) -> None:
         """Delete a job with its request and result."""

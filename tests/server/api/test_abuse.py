@@ -334,3 +334,14 @@ def test_nothing_of_a_large_request_is_left_when_it_is_answered():
         tracemalloc.stop()
         gc.enable()
         app.extensions["jobs"].close()
+
+
+def test_a_body_whose_reading_exceeds_a_limit_is_refused_and_not_called_a_fault_of_the_server():
+    app = create_app(executor=ThreadPoolExecutor(1), limits=Limits(file_memory=1))
+    try:
+        answer = app.test_client().post("/api/v1/jobs", data=b"[" + b"1," * 30_000 + b"1]")
+        assert (
+            answer.status_code == 422 and "exceeded the memory limit" in answer.json["message"] and "smaller file" in answer.json["message"]
+        )
+    finally:
+        app.extensions["jobs"].close()

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 import time
 from concurrent.futures import Future
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from compas_cgc.execution.future import LimitExceeded
 from compas_cgc.execution.future import TaskError
 from compas_cgc.execution.future import TaskStopped
 from compas_cgc.execution.future import WorkerDied
@@ -52,6 +54,16 @@ def sleep_until_told():
 def sleep_for_ever():
     report("begun")
     time.sleep(3600)
+
+
+class Never:
+    """Begins nothing."""
+
+    def submit(self, function, *args):
+        return Future()
+
+    def shutdown(self, wait=True, cancel_futures=False):
+        pass
 
 
 def late(kind, options, content, limits):
@@ -171,6 +183,8 @@ def test_where_no_worker_starts_nobody_waits_for_ever():
 def test_a_time_limit_stops_a_task():
     with WorkerPool(1, grace=PATIENCE) as gentle:
         assert gentle.start(sleep_until_told, time_limit=0.1).result(PATIENCE) == "stopped gently"
+    with WorkerPool(1, grace=0.1) as strict, pytest.raises(LimitExceeded, match="it exceeded the time limit of 0.1 s"):
+        strict.start(sleep_for_ever, time_limit=0.1).result(PATIENCE)
 
 
 def test_a_killed_worker_fails_its_own_task_only(pool):
@@ -295,15 +309,6 @@ def test_a_stop_in_order_costs_a_job_none_of_its_attempts(tmp_path):
 
 
 def test_a_job_that_a_kill_of_the_server_interrupted_waits_until_it_is_begun_again():
-    class Never:
-        """Begins nothing."""
-
-        def submit(self, function, *args):
-            return Future()
-
-        def shutdown(self, wait=True, cancel_futures=False):
-            pass
-
     store = Store(":memory:")
     kind, content = body()
     store.add(Job("interrupted", "running", time.time(), time.time(), None, 1, "", "", "", {}, None, None), kind, {}, content)
@@ -403,3 +408,23 @@ def test_a_reserved_worker_takes_nothing_that_nobody_waits_for():
         assert not job.done() and two.health()["waiting"] == 1
         blocking.stop("go on")
         assert job.result(PATIENCE) == 2
+
+
+def test_nobody_waits_for_the_disk_while_a_large_request_is_written(tmp_path, monkeypatch):
+    reached, go, waits = threading.Event(), threading.Event(), []
+
+    def fsync(handle):
+        reached.set()
+        waits.append(go.wait(10.0))
+
+    store = Store(tmp_path / "jobs.sqlite")
+    engine = Jobs(Never(), store, solve_job)
+    monkeypatch.setattr(os, "fsync", fsync)
+    upload = threading.Thread(target=engine.submit, args=("3dm", 300_000 * b"x"))
+    upload.start()
+    assert reached.wait(PATIENCE)
+    assert engine.list() == [] and not waits, "it is answered before the disk"
+    go.set()
+    upload.join(PATIENCE)
+    assert waits == [True] and store.body(engine.list()[0].id) == 300_000 * b"x"
+    engine.close()

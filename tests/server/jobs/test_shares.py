@@ -36,7 +36,7 @@ def test_two_slots_are_for_a_client_alone():
 
 
 def test_bodies_wait_for_each_other_and_one_that_is_too_large_comes_alone():
-    budget, order = ByteBudget(100, 10.0), []
+    budget, order = ByteBudget(100, 10.0, 1, 4), []
     with budget.held(60):
         with budget.held(40):
             pass
@@ -45,6 +45,15 @@ def test_bodies_wait_for_each_other_and_one_that_is_too_large_comes_alone():
         order.append("small")
     waits.join()
     assert order == ["small", "large"]
-    impatient = ByteBudget(100, 0.01)
+    impatient = ByteBudget(100, 0.01, 1, 4)
     with pytest.raises(Busy, match="other large requests"), impatient.held(100), impatient.held(1):
         raise AssertionError("it is let in")
+
+
+def test_waiting_bodies_of_a_client_leave_slots_for_others_and_small_ones_need_none():
+    budget = ByteBudget(1000, 10.0, 10, 3)
+    with budget.held(11, "a"), budget.held(11, "a"):
+        with pytest.raises(Busy), budget.held(11, "a"):
+            raise AssertionError("it is let in")
+        with budget.held(10, "a"), budget.held(11, "b"):
+            pass
