@@ -49,6 +49,7 @@ from .stock import stock_of
 __all__ = ["unroll"]
 
 MAX_SHEET_RATIO = 20.0  # sheet width over the size of the surface above which the units probably differ
+MITRE_ROOM = 1.5  # widths of the strip around pieces that rows leave free at each side: room for mitres of corners from 67 degrees
 EDGE_TOLERANCE = 1e-9  # tolerance at the edges of a sheet, relative to it
 
 
@@ -183,7 +184,8 @@ def unroll(
             flat, cuts, unrollings = (flat, cuts, unrollings) if panels is None else developed_panels(problem, panels, chosen)
         elif stock.sheet is not None and not kept:
             grains = None if grain is None else np.array([along(flat, piece) for piece in range(int(flat.piece.max()) + 1)])
-            flat = in_rows(flat, room, stock.spacing or 0.0, least, grains)
+            inside = room[0] - 2.0 * MITRE_ROOM * stock.strip, room[1] - 2.0 * MITRE_ROOM * stock.strip
+            flat = in_rows(flat, inside, (stock.spacing or 0.0) + 2.0 * stock.strip, least, grains)
         flat = cut_to_fit(flat, room, flattened, too_wide, taken, refuse, None if grain is None else along, least)
         own = on_sheets(flat, stock, truth(shapes, "shapes"))
     except ValueError as error:

@@ -54,6 +54,13 @@ def test_a_crescent_and_the_vault_fill_their_sheets(vault):
         on_their_sheets(patterns)
 
 
+@pytest.mark.parametrize(("strip", "sheets"), [({"kerf": 0.004}, 16), ({"allowance": 0.03}, 18)], ids=["kerf", "allowance"])
+def test_rows_leave_room_for_the_strip_around_pieces(vault, strip, sheets):
+    """Rows as wide as the sheet would be cut again for the strip: 32 sheets instead of 15 for a kerf of 4 mm."""
+    pytest.importorskip("shapely")
+    assert unroll(vault, (3.0, 1.5), **strip).sheets <= sheets
+
+
 def test_every_sheet_is_the_smallest_that_holds_its_pieces(vault):
     found = panels(vault, 1.2)
     one, several = (unroll(vault, sheet, panels=found, rulings=0) for sheet in ((3.0, 1.5), [(1.5, 1.5), (3.0, 1.5), (2.0, 1.5)]))
