@@ -169,10 +169,13 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
 
 
 def _title(patterns: Patterns, number: int) -> str:
-    """Return the title of a sheet: number, size, pieces and visible side."""
+    """Return the title of a sheet: number, size, pieces, visible side, and what cut lines are."""
     size = in_mm(patterns.sheet_sizes[number], patterns.problem.drawing.units)
     labels = ", ".join(piece.label for piece in patterns.pieces if piece.sheet == number)
-    return f"sheet {number + 1} of {patterns.sheets}, {size}: {labels}; seen from outside"
+    units, stock = patterns.problem.drawing.units, patterns.stock
+    cut = f"CUT: middle of a kerf of {in_mm([stock.kerf], units)}" if stock.kerf else "CUT: edge, without kerf"
+    allowance = f", with an allowance of {in_mm([stock.allowance], units)}" if stock.allowance else ""
+    return f"sheet {number + 1} of {patterns.sheets}, {size}: {labels}; seen from outside; {cut}{allowance}"
 
 
 def folded(patterns: Patterns, fold: float = MIN_FOLD) -> Mask:

@@ -100,7 +100,12 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
         for splice in lath.splices:
             lines.append(Line("MARK", np.array([[mm * splice, low], [mm * splice, low + width]])))
         texts.append(Text("LABEL", f"L{lath.number}", np.array([-width, low + 0.5 * width]), 0.4 * width))
+    title = (
+        f"{len(schedule.laths)} laths of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}; all lengths in mm; the lower "
+        "edge lies inside; slots are half the width deep; at every slot: node / crossing lath; MARK: splice"
+    )
+    texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), 0.25 * width))
     bottom = -ROW * width * (len(schedule.laths) - 1)
     lines = [line._replace(points=line.points - [0.0, bottom]) for line in lines]
     texts = [text._replace(place=text.place - [0.0, bottom]) for text in texts]
-    return Drawing(lines, texts, (right, width - bottom), "Millimeters")
+    return Drawing(lines, texts, (right, 2.5 * width - bottom), "Millimeters")

@@ -139,6 +139,8 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     write_net(tmp_path / "net.laths.dxf", net, width=100.0, thickness=10.0)
     document = ezdxf.readfile(tmp_path / "net.laths.dxf")
     assert document.header["$INSUNITS"] == 4
+    (title,) = [text.dxf.text for text in document.modelspace().query('TEXT[layer=="SHEET"]')]
+    assert f"{len(net.curves)} laths of 100 x 10 mm, timber; all lengths in mm" in title
     strips = [
         shapely.Polygon([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="CUT"]')
     ]

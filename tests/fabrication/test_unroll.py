@@ -181,7 +181,9 @@ def test_allowances_stand_off_every_edge_and_have_room_on_sheets(cut):
 def test_cut_lines_run_in_the_middle_of_the_kerf():
     """Half the kerf outside the piece everywhere, and inside holes: what the tool leaves is the piece."""
     shapely = pytest.importorskip("shapely")
-    own = unroll(vault(), rough=True, kerf=0.004, spacing=0.01)
+    own = unroll(vault(), (12.0, 12.0), rough=True, kerf=0.004, spacing=0.01)
+    titles = [text.text for text in draw_sheets(own).texts if text.layer == "SHEET"]
+    assert titles and all("CUT: middle of a kerf of 4 mm" in title for title in titles)
     for piece in own.pieces:
         cut, outline = shapely.Polygon(piece.allowance[0]), shapely.Polygon(piece.loops[0].points)
         assert cut.buffer(-0.002, join_style="mitre").symmetric_difference(outline).area < 1e-6 * outline.area
