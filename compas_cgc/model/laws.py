@@ -11,6 +11,7 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 from typing import Union
+from typing import cast
 
 import numpy as np
 
@@ -91,7 +92,7 @@ class Law:
         return self
 
     @property
-    def constant(self) -> Optional[Curvature]:
+    def constant(self) -> Optional[float]:
         """The constant c of a law f = g(H, K) - c, such as h of H = h; None if the law has none. Similarities multiply it."""
         return None
 
@@ -165,8 +166,8 @@ class _Linear(Law):
         return largest if largest > 0.0 else abs(float(a)) / math.sqrt(area) + abs(float(b)) / area
 
     @property
-    def constant(self) -> Optional[Curvature]:
-        return self.coefficients[2]
+    def constant(self) -> float:
+        return cast(float, self.coefficients[2])
 
     @property
     def type(self) -> str:

@@ -29,7 +29,6 @@ from ..model.goals import measures
 from ..model.goals.binding import bind
 from ..model.goals.binding import support_height
 from ..model.laws import ConstantCurvature
-from ..model.laws import Curvature
 from ..model.laws import Law
 from ..model.measures import read_across
 from ..model.problem import CGCProblem
@@ -185,7 +184,7 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     )
 
 
-def _law_constant(problem: CGCProblem, region: int) -> Optional[Curvature]:
+def _law_constant(problem: CGCProblem, region: int) -> Optional[float]:
     """Return the constant of the law of a region other than constant K, None without any."""
     return problem.laws[region].constant if region in problem.laws else None
 

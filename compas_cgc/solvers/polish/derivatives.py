@@ -70,5 +70,6 @@ def moves_by_constants(
         law = problem.laws.get(region, ConstantCurvature(1.0))
         # Similarities and normalisation multiply the constant, by the factor that 1 gets.
         unit = law.with_constant(1.0).scaled(1.0 / frame.scale).normalised().constant
+        assert unit is not None
         found[region] = unknowns[: len(vertices), None] * own.mesh.directions * frame.scale * unit
     return found

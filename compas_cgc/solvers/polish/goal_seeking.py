@@ -172,7 +172,7 @@ class _Seeker:
         targets, laws = self.problem.targets.copy(), dict(self.problem.laws)
         for log, number in zip(logs.tolist(), self.numbers):
             if number in laws:
-                laws[number] = laws[number].with_constant(laws[number].constant * math.exp(log))
+                laws[number] = laws[number].with_constant(_constant(laws[number]) * math.exp(log))
             else:
                 targets[self.problem.region_vertices(number)] *= math.exp(log)
         return replace(self.problem, targets=targets, laws=laws)
@@ -182,7 +182,7 @@ class _Seeker:
         found = []
         for number in self.numbers:
             law = posed.laws.get(number) or ConstantCurvature(float(posed.targets[posed.region_vertices(number)][0]))
-            found.append((law.constant_name, law.constant))
+            found.append((law.constant_name, _constant(law)))
         return found
 
     def _missing(self, vertices: FloatArray) -> FloatArray:
@@ -220,6 +220,11 @@ class _Seeker:
         sign = f"{name} {'>' if value > 0.0 else '<'} 0"
         mend = f"prescribe a value that is reached, or draw {name} with the other sign"
         return f"no surface over these supports with {sign} meets the goals: {self._reached(here)}; {mend}"
+
+
+def _constant(law: Law) -> float:
+    assert law.constant is not None, "laws without a constant have been refused"
+    return law.constant
 
 
 def _mirrored(laws: Mapping[int, Law]) -> dict[int, Law]:
