@@ -32,6 +32,7 @@ from .roles import CREASE
 from .roles import DUMMY
 from .roles import FIXED
 from .roles import INTERNAL
+from .visible import PLAN_SHARE
 from .visible import dip
 from .visible import points
 
@@ -52,7 +53,7 @@ INVISIBLE_FOLD = np.radians(3.0)  # smaller folds are invisible
 VISIBLE_KINK = np.radians(8.0)  # excess of a single fold over FOLD_RATIO times that of a smooth surface that is visible
 MAX_SHARP_SHARE = 0.02  # largest share of edges that may fold too sharply
 NEEDLE_ANGLE = 3.0  # degrees; a smaller angle of a triangle that had at least twice this angle before counts as a needle
-MIN_AREA_KEPT = 0.6  # smallest share of the input area that has to remain
+MIN_AREA_KEPT = 0.6  # smallest share of the area of the input in plan that has to remain
 FIT_ERROR_NEAR_SUPPORTS = {3: 0.0, 2: 0.2, 1: 0.35}  # further relative error of fits by distance from supports in edges
 MIN_SAMPLES = 12  # least number of vertices for percentiles
 
@@ -82,7 +83,8 @@ class Verdict:
     smallest_angle
         Smallest angle of a triangle [degree].
     area_kept
-        Area over that of the input, None without an input.
+        Area over that of the input in plan, of which a surface over the same rim has no less; over its whole area where it has no
+        plan; None without an input.
     places
         Indices of the vertices where a rough surface is rough, without dummies.
 
@@ -103,7 +105,7 @@ class Verdict:
     sharpest_fold: float  # largest angle between two faces, without creases [degree]
     folds_too_sharp: float  # share of the inner edges
     smallest_angle: float  # smallest angle of a triangle [degree]
-    area_kept: Optional[float]  # area over that of the input, None without an input
+    area_kept: Optional[float]  # area over that of the input in plan, None without an input
     places: list[int]  # indices of vertices where the surface is rough
 
     @property
@@ -171,7 +173,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     sharp = (fold > FOLD_RATIO * called) & (fold > INVISIBLE_FOLD)
     kinked = fold - FOLD_RATIO * called
     angle = _smallest_angle(V, F)
-    kept = None if before is None else float(face_areas(V, F).sum() / face_areas(before, F).sum())
+    kept = None if before is None else _area_kept(V, before, F)
 
     if _is_off(error - own):
         # On stretched or coarse triangles cubic fits are inaccurate; fits of higher degree over more rings decide.
@@ -220,7 +222,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     if before is not None and angle < NEEDLE_ANGLE and 2 * angle < _smallest_angle(before, F):
         reasons.append(f"triangles are stretched to needles with angles down to {angle:.2g} degrees")
     if kept is not None and kept < MIN_AREA_KEPT:
-        reasons.append(f"it has only {_percent(kept)} % of the area of the input")
+        reasons.append(f"it has only {_percent(kept)} % of the area of the input in plan")
     branches = branch_points(problem, fits)
     if len(branches):
         at = problem.names.vertices[branches[int(np.argmax(fits.gaussian[branches]))]]
@@ -372,6 +374,13 @@ def _inner_edges(problem: CGCProblem) -> tuple[IntArray, Mask]:
     n = len(problem.vertices)
     code, creases = np.sort(edges[:, :2], axis=1) @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1]
     return edges, np.isin(code, creases) | (problem.roles[edges[:, :2]] == CREASE).all(axis=1)
+
+
+def _area_kept(V: FloatArray, before: FloatArray, F: IntArray) -> float:
+    """Return the area over that of the input in plan."""
+    areas = face_areas(before, F)
+    plan = float(np.linalg.norm(areas @ face_normals(before, F)))
+    return float(face_areas(V, F).sum()) / (plan if plan > PLAN_SHARE * areas.sum() else float(areas.sum()))
 
 
 def _smallest_angle(V: FloatArray, F: IntArray) -> float:

@@ -31,7 +31,7 @@ from ..model.roles import FIXED
 from ..model.roles import FREE
 from ..model.roles import INTERNAL
 
-__all__ = ["Coarse", "coarsened", "laid_out_anew"]
+__all__ = ["Coarse", "coarsened", "laid_out_anew", "plan_of"]
 
 UPRIGHT = 0.05  # area in plan of a face, against its own, from which a drawing has a plan
 LARGEST = 0.6  # of the vertices, that a coarser mesh may have
@@ -121,7 +121,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     kinds = (PositionConstraint, Fixed, Proximity, Bound, Whole, Unknown)
     if (problem.roles == DUMMY).any() or not all(isinstance(own, kinds) for own in problem.goals):
         return None
-    seen = _plan(V, F)
+    seen = plan_of(V, F)
     if seen is None:
         return None
     plan, up = seen
@@ -182,7 +182,7 @@ def _laws(problem: CGCProblem, coarse: CGCProblem, here: Mask) -> dict[int, Law]
     return laws
 
 
-def _plan(V: FloatArray, F: IntArray) -> Optional[tuple[FloatArray, FloatArray]]:
+def plan_of(V: FloatArray, F: IntArray) -> Optional[tuple[FloatArray, FloatArray]]:
     """Return the vertices (n, 2) seen against the direction (3,) that all faces face, and that; None where there is no such direction."""
     crosses = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     facing = crosses.sum(axis=0)

@@ -22,6 +22,7 @@ from .allowance import Allowance
 from .choices import Choice
 from .choices import choose
 from .drawn_side import is_drawn_below
+from .evened import evened
 from .half_sphere import with_half_a_sphere
 from .method import Method
 from .reasons import contradiction
@@ -36,6 +37,7 @@ from .settings import Settings
 __all__ = ["run_auto", "run_method"]
 
 BELOW = "it goes to the side that it is drawn on, away from its normals, along which a flat drawing would go"
+EVENED = "the surface is far from the drawing, whose triangles were laid out evenly over it"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -84,15 +86,16 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         posed = problem
         if below and choice.method != "bending":
             posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
-        method = METHODS[choice.method]
-        run = partial(run_method, method, posed, settings=settings, options=choice.options, callback=callback)
-        solution = allowed.solved(run)
+        run = partial(run_method, METHODS[choice.method], settings=settings, options=choice.options, callback=callback)
+        solution = _judged(allowed.solved(partial(run, posed)), problem, callback)
+        judged = solution.verdict
+        even = None if judged is None or judged.fair else evened(posed, solution.vertices)
+        if even is not None:
+            again = _judged(allowed.solved(partial(run, posed.with_vertices(even))), problem.with_vertices(even), callback)
+            if again.verdict is not None and again.verdict.fair:
+                solution, judged = again._replace(message=f"{again.message}; {EVENED}"), again.verdict
         tried.append((solution, choice))
-        if solution.status == "converged":
-            asked = solution.with_found(problem)
-            show_arrived(callback, solution.vertices)
-            judged = solution.verdict or verdict(asked.with_vertices(solution.vertices), problem.vertices)
-            solution = solution._replace(verdict=judged)
+        if judged is not None:
             if judged.fair:
                 return _told(solution, choice, tried)
             rough.append((judged.roughness, solution, choice))
@@ -109,6 +112,15 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     with allowed.for_reasons().counted():
         why = reasons()
     return _told(best if why else with_half_a_sphere(problem, best), choice, tried, why)
+
+
+def _judged(solution: Solution, problem: CGCProblem, callback: Callback) -> Solution:
+    """Return a solution of a problem with a verdict where it has arrived."""
+    if solution.status != "converged":
+        return solution._replace(verdict=None)
+    asked = solution.with_found(problem)
+    show_arrived(callback, solution.vertices)
+    return solution._replace(verdict=solution.verdict or verdict(asked.with_vertices(solution.vertices), problem.vertices))
 
 
 def _closed(problem: CGCProblem, found: Solution, settings: Settings, callback: Callback) -> Solution:

@@ -1,0 +1,64 @@
+"""The triangles of a drawing laid out evenly over a surface that is far from it."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import boundary_vertices
+from ..discrete.arrays import FloatArray
+from ..discrete.corners import corner_angles
+from ..discrete.laplacian import cotangent_laplacian
+from ..linalg import factorise
+from ..meshing.carry_over import CarryOver
+from ..model.problem import CGCProblem
+from ..model.roles import DUMMY
+from ..model.roles import FIXED
+from .coarse import plan_of
+
+__all__ = ["evened"]
+
+GAIN = 2.0  # quotient of the smallest angles from which triangles are laid out anew
+
+
+def evened(problem: CGCProblem, surface: FloatArray) -> Optional[FloatArray]:
+    """Return the vertices (n, 3) at harmonic places on a surface (n, 3), with supports, creases and boundary where they are there.
+
+    A harmonic map of the drawing keeps the shapes of its triangles where it can: that of a half sphere to a disk is conformal.
+
+    Parameters
+    ----------
+    problem
+        With the vertices of the drawing.
+    surface
+        ``(n, 3)`` vertices of a surface with the same faces, whose triangles are stretched [L].
+
+    Returns
+    -------
+    ndarray or None
+        None where the surface has no plan, goals name places of it, or triangles would not gain.
+
+    References
+    ----------
+    Pinkall and Polthier, doi:10.1080/10586458.1993.10504266.
+    """
+    seen = plan_of(surface, problem.faces)
+    if seen is None or problem.goals or (problem.roles == DUMMY).any():
+        return None
+    plan, up = seen
+    held = boundary_vertices(surface, problem.faces) | (problem.roles == FIXED)
+    held[problem.creases] = True
+    stiffness = cotangent_laplacian(problem.vertices, problem.faces)[~held]
+    places = plan.copy()
+    places[~held] = factorise(stiffness[:, ~held].tocsr(), symmetric=True).solve(-(stiffness[:, held] @ plan[held]))
+    result = surface.copy()
+    labels = problem.regions()
+    for region in np.unique(labels):
+        here = np.unique(problem.faces[labels == region])
+        inner = here[~held[here]]
+        result[inner] += CarryOver(plan[here], places[inner])(surface[here]) - surface[inner]
+    if plan_of(result, problem.faces) is None:
+        return None
+    before, after = (float(corner_angles(V, problem.faces).min()) for V in (surface, result))
+    return result if after > GAIN * before else None

@@ -1,0 +1,53 @@
+"""Surfaces far from their drawings: triangles are laid out evenly before the surface is judged."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import solve
+from compas_cgc.discrete.corners import corner_angles
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.evened import evened
+
+from ..system.fairness_study import mesh
+
+
+def half_sphere(layout="irregular"):
+    """A unit half sphere whose triangles are even on it, and stand upright at the rim."""
+    t = 2 * np.pi * np.arange(720) / 720
+    V, F = mesh([np.column_stack([np.cos(t), np.sin(t)])], layout, 300, np.random.default_rng(3))
+    r = np.hypot(*V[:, :2].T)
+    angle = 0.5 * np.pi * r / r.max()
+    V = np.column_stack([V[:, :2] / np.maximum(r, 1e-300)[:, None] * np.sin(angle)[:, None], np.cos(angle)])
+    return CGCProblem(V, F).with_supports("boundary")
+
+
+@pytest.mark.parametrize("K", [0.9, 0.5, 0.1, 0.01])
+def test_a_half_sphere_becomes_the_cap_that_is_asked_for(K):
+    problem = half_sphere().with_targets(K)
+    result = solve(problem)
+    assert result.verdict.fair, result.message
+    radius = K**-0.5
+    centre = [0.0, 0.0, -np.sqrt(radius**2 - 1.0)]
+    assert np.linalg.norm(result.vertices - centre, axis=1) == pytest.approx(radius, abs=1e-3)
+    rim = problem.vertices[:, 2] < 1e-9
+    assert (result.vertices[rim] == problem.vertices[rim]).all() and result.vertices[:, 2].max() > 0.0
+    again = solve(result, targets=0.9 * K)
+    assert again.verdict.fair, "and a slider goes on from there"
+
+
+def test_triangles_of_a_half_sphere_laid_out_over_its_plan_are_similar():
+    """The harmonic map of a half sphere to the disk is the stereographic projection, which is conformal."""
+    problem = half_sphere("regular")
+    flat = problem.vertices * [1.0, 1.0, 0.0]
+    even = evened(problem, flat)
+    r, rho = np.hypot(*problem.vertices[:, :2].T), np.hypot(*even[:, :2].T)
+    assert rho == pytest.approx(r / (1.0 + problem.vertices[:, 2]), abs=0.01) and np.abs(even[:, 2]).max() == 0.0
+    assert corner_angles(flat, problem.faces).min() < np.radians(5) < np.radians(25) < corner_angles(even, problem.faces).min()
+
+
+def test_triangles_that_would_not_gain_stay():
+    problem = half_sphere("regular")
+    even = evened(problem, problem.vertices * [1.0, 1.0, 0.0])
+    assert evened(problem.with_vertices(even), even) is None
