@@ -31,6 +31,7 @@ class Choice(NamedTuple):
     method: str
     reason: str
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
+    then: Optional[Choice] = None  # how the regions are solved between the creases that were found
 
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
@@ -44,8 +45,7 @@ FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
 SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 1.5 beside straight fixed edges, others of order 1
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
-FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", SMOOTH)
-PLAIN_FOLDED_RIM = Choice("projection", "the whole rim is fixed, and regions are too narrow for the smooth measure")
+FOLDED_RIM = Choice("bending", "the whole rim is fixed, and K̄ > 0 determines regions between creases that bend and fold least", then=RIM)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K")
 
 
@@ -80,7 +80,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if is_held_all_round(problem):
         return [RIM, PLAIN_RIM, BENDING, DRAWN_IN]
     if is_held_all_round(problem, folded=True):
-        return [FOLDED_RIM, PLAIN_FOLDED_RIM, BENDING]
+        return [FOLDED_RIM, HELD]
     if (problem.roles[boundary_vertices(problem.vertices, problem.faces)] == FIXED).all() and not len(problem.creases):
         return [HELD, BENDING]
     return [DRAWN, BENDING] if keeps_shape(problem) else [BENDING, DRAWN_IN]

@@ -21,6 +21,7 @@ from .projection.projector import ready
 from .projection.symmetry import tears_faces
 from .registry import METHODS
 from .registry import settings_of
+from .selection import finished
 from .settings import Settings
 
 __all__ = ["solved_on", "steps_towards"]
@@ -74,8 +75,9 @@ def solved_on(
     if solution.faces is None:
         show_arrived(callback, solution.vertices)
     judged = verdict(solution.with_found(drawn).with_vertices(solution.vertices), drawn.vertices)
-    message = f"{solution.message}; by the method {first.method}, on from the surface that was found before"
-    return solution._replace(method=first.method, verdict=judged, message=message) if judged.fair else None
+    solution = finished(solution._replace(method=first.method, verdict=judged), drawn, first, settings, callback)
+    message = f"{solution.message}; by the method {solution.method}, on from the surface that was found before"
+    return solution._replace(message=message) if solution.verdict is not None and solution.verdict.fair else None
 
 
 def _of_same_types(problem: CGCProblem, before: CGCProblem) -> bool:

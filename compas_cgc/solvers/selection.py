@@ -34,7 +34,7 @@ from .registry import settings_for
 from .registry import settings_of
 from .settings import Settings
 
-__all__ = ["run_auto", "run_method"]
+__all__ = ["finished", "run_auto", "run_method"]
 
 BELOW = "it goes to the side that it is drawn on, away from its normals, along which a flat drawing would go"
 EVENED = "the surface is far from the drawing, whose triangles were laid out evenly over it"
@@ -88,6 +88,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
         run = partial(run_method, METHODS[choice.method], settings=settings, options=choice.options, callback=callback)
         solution = _judged(allowed.solved(partial(run, posed)), problem, callback)
+        solution = finished(solution, problem, choice, settings, callback)
         judged = solution.verdict
         even = None if judged is None or judged.fair else evened(posed, solution.vertices)
         if even is not None:
@@ -112,6 +113,25 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     with allowed.for_reasons().counted():
         why = reasons()
     return _told(best if why else with_half_a_sphere(problem, best), choice, tried, why)
+
+
+def finished(
+    solution: Solution, problem: CGCProblem, choice: Choice, settings: Optional[Settings] = None, callback: Callback = None
+) -> Solution:
+    """Return the surface that is found by the second method of a choice between the creases of a solution; the solution if it is not fair.
+
+    Beside straight fixed edges, where one principal curvature is unbounded for K̄ > 0, mid-edge normals are less accurate than
+    the smooth measure of Newton's method, which moves no creases.
+    """
+    then = choice.then
+    if then is None or solution.status != "converged":
+        return solution
+    found = problem.with_vertices(solution.vertices)
+    between = run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback)
+    between = _judged(between, problem, callback)
+    if between.verdict is None or not between.verdict.fair:
+        return solution
+    return between._replace(message=f"{between.message} between the creases of a surface that bends and folds least")
 
 
 def _judged(solution: Solution, problem: CGCProblem, callback: Callback) -> Solution:

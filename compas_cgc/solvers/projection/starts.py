@@ -12,10 +12,8 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...model.measures import is_held_all_round
 from ...model.problem import CGCProblem
-from ...model.roles import CREASE
 from ...model.roles import DUMMY
 from ...model.roles import FIXED
-from ...model.roles import INTERNAL
 from ..newton import NewtonSettings
 from ..newton import newton
 from ..polish.polisher import plates
@@ -27,7 +25,6 @@ from .system import System
 __all__ = ["is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
-FOLDED = 0.5  # curvature of that surface, against that of a roof with creases
 STEPS = 50  # most steps of Newton's method
 SPANNED = 0.01  # residual of a surface of straight lines that nearly has K = 0
 FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a drawing is no start
@@ -66,29 +63,19 @@ def _bent(system: System, equations: CurvatureEquations, drawing: FloatArray) ->
     """Return the plates (n, 3) over a drawing that would bend by themselves to the curvature prescribed, the likeliest first.
 
     None where faces have no area: their edges have no normals. Within a held rim K > 0 needs steeper edges than a plate has, and
-    Newton's method finds the only convex surface; a roof with creases is lower, and begins at one of less curvature.
+    Newton's method finds the only convex surface.
     """
     if not system.sound.all():
         return []
     problem = system.problem_at(drawing, equations.targets)
     held = problem.roles != DUMMY
     held[system.columns] = False
-    # Goals may need a roof whose bays go to different sides.
-    plain = not problem.goals
     problem = replace(problem, roles=np.where(held, FIXED, problem.roles), goals=())
-    folded = plain and is_held_all_round(problem, folded=True)
-    if folded or is_held_all_round(problem):
-        convex = newton(_without_creases(problem) if folded else problem, settings=NewtonSettings(steps=STEPS))
+    if is_held_all_round(problem):
+        convex = newton(problem, settings=NewtonSettings(steps=STEPS))
         if convex.status == "converged":
             return [convex.vertices]
     return plates(problem)
-
-
-def _without_creases(problem: CGCProblem) -> CGCProblem:
-    """Return a problem whose creases bend as its regions do, with less curvature."""
-    roles, asked = np.where(problem.roles == CREASE, INTERNAL, problem.roles), problem.targets[problem.asked]
-    targets = FOLDED * np.where(problem.asked, problem.targets, asked.mean())
-    return replace(problem, roles=roles, creases=problem.creases[:0], targets=targets)
 
 
 def is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:
