@@ -11,7 +11,6 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...model.measures import is_held_all_round
-from ...model.problem import CGCProblem
 from ...model.roles import DUMMY
 from ...model.roles import FIXED
 from ..newton import NewtonSettings
