@@ -73,7 +73,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         if held_by_newton(problem):
             return [ONE_UNKNOWN, GOALS]
-        return [SOUGHT, GOALS] if finds_constants(problem) and not is_held_all_round(problem, folded=True) else [GOALS]
+        return [SOUGHT, GOALS] if finds_constants(problem) and not is_held_all_round(problem) else [GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]
