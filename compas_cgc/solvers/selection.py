@@ -127,6 +127,7 @@ def finished(
     if then is None or solution.status != "converged":
         return solution
     found = problem.with_vertices(solution.vertices)
+    found = found.flipped() if is_drawn_below(found) else found
     between = run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback)
     between = _judged(between, problem, callback)
     if between.verdict is None or not between.verdict.fair:

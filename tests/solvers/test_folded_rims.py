@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import CloughTocher2DInterpolator
+from scipy.spatial import Delaunay
+from scipy.spatial import cKDTree
 
 from compas_cgc import CGCMesh
+from compas_cgc import get
+from compas_cgc import read
 from compas_cgc import solve
+from compas_cgc.model.problem import CGCProblem
 
 SQUARE = [[0.0, 0.0], [15.0, 0.0], [15.0, 15.0], [0.0, 15.0]]
 TURN = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
@@ -33,8 +39,51 @@ def test_a_folded_roof_over_a_whole_rim_is_fair_and_as_high_on_every_mesh(outlin
         found = [solve(problem.with_targets(K)) for problem in drawn]
         assert all(result.converged and result.verdict.fair for result in found), [str(result.verdict) for result in found]
         heights = [np.ptp(result.vertices[:, 2]) for result in found]
-        assert max(heights) < 1.1 * min(heights)
+        assert max(heights) < 1.02 * min(heights)
         assert all(result.vertices[:, 2].min() > -1e-9 for result in found)
+
+
+def bays(n: int, irregular: bool) -> CGCProblem:
+    """A unit square that is held all round, with one crease in the middle, K = 1.5; triangles are regular, or random ones."""
+    steps = np.linspace(0.0, 1.0, n + 1)
+    points = np.column_stack([part.ravel() for part in np.meshgrid(steps, steps, indexing="ij")])
+    rim, middle = ((points == 0.0) | (points == 1.0)).any(axis=1), np.abs(points[:, 0] - 0.5) < 1e-9
+    if irregular:
+        shifts = np.random.default_rng(0).uniform(-0.3, 0.3, points.shape) / n
+        shifts[rim] = shifts[middle, 0] = 0.0
+        points = points + shifts
+    vertices, faces = np.column_stack([points, np.zeros(len(points))]), Delaunay(points).simplices
+    faces = faces[np.linalg.norm(np.cross(*(vertices[faces[:, k]] - vertices[faces[:, 0]] for k in (1, 2))), axis=1) > 1e-9]
+    turned = np.cross(*(vertices[faces[:, k]] - vertices[faces[:, 0]] for k in (1, 2)))[:, 2] < 0.0
+    faces[turned] = faces[turned][:, ::-1]
+    crease = np.flatnonzero(middle)[np.argsort(points[middle, 1])]
+    return CGCProblem(vertices, faces, creases=[crease.tolist()]).with_supports("boundary").with_targets(1.5)
+
+
+def height(problem: CGCProblem, x: float, y: float) -> float:
+    """Return the height of a surface over a place, by a smooth interpolation of the vertices nearest to it."""
+    near = cKDTree(problem.vertices[:, :2]).query([x, y], 12)[1]
+    return float(CloughTocher2DInterpolator(problem.vertices[near, :2], problem.vertices[near, 2])(x, y))
+
+
+@pytest.mark.parametrize("n", [24, pytest.param(48, marks=pytest.mark.nightly)])
+def test_crease_and_bays_are_as_high_on_regular_and_random_triangles(n):
+    found = [solve(bays(n, irregular)) for irregular in (False, True)]
+    assert all(result.verdict.fair and result.method == "newton" for result in found), [result.message for result in found]
+    for place, known in (((0.5, 0.5), 0.169), ((0.25, 0.5), 0.1736)):
+        heights = [height(result.problem, *place) for result in found]
+        assert heights == pytest.approx([known] * 2, rel=0.012 if n == 24 else 0.005)
+
+
+def test_on_the_other_side_it_is_the_mirror_image_and_a_slider_ends_at_the_surface_of_a_solve():
+    facade = read(get("facade.3dm")).to_problem()
+    above = solve(facade)
+    moved = above.vertices - facade.vertices
+    below = solve(facade.with_vertices(facade.vertices - 0.3 * moved * [0.0, 1.0, 0.0]))
+    mirrored = facade.vertices + moved * [1.0, -1.0, 1.0]
+    assert below.verdict.fair and below.vertices == pytest.approx(mirrored, abs=0.01 * np.abs(moved).max())
+    slid, fresh = solve(above, targets=0.011), solve(facade.with_targets(0.011))
+    assert slid.vertices == pytest.approx(fresh.vertices, abs=1e-9)
 
 
 def test_where_the_shape_of_the_drawing_is_kept_no_other_is_put_over_it():
