@@ -293,8 +293,10 @@ class _Found:
         rough = [PlanCurve(_points(path.control_vertices()), layer) for path, layer, _ in self.paths]
         sagitta = SAGITTA * size([*self.lines, *(curve for curve in rough if np.isfinite(curve.points).all())])
         curves = list(self.lines)
-        for path, layer, circle in self.paths:
-            points = _points(path.flattening(sagitta, SEGMENTS)) if sagitta > 0 else np.empty((0, 3))
+        for (path, layer, circle), curve in zip(self.paths, rough):
+            # The division of a curve with a coordinate that is not finite would not end.
+            finite = sagitta > 0 and np.isfinite(curve.points).all()
+            points = _points(path.flattening(sagitta, SEGMENTS)) if finite else np.empty((0, 3))
             if len(points) < 2 or not np.isfinite(points).all():
                 self.omitted["curve with a coordinate that is not finite"] += 1
                 continue

@@ -233,3 +233,12 @@ def test_an_inner_closed_curve_is_a_hole_from_every_door(tmp_path):
     assert all(sum(face_areas(own.vertices, own.faces)) == pytest.approx(surface) and not len(own.creases) for own in problems)
     folded = read_problem(drawing, edge_length=1.0, layers={"mesh": "0", "creases": "INSIDE"})
     assert sum(face_areas(folded.problem.vertices, folded.problem.faces)) == pytest.approx(60) and len(folded.problem.crease_paths()) == 1
+
+
+def test_a_curve_that_is_not_finite_is_left_out_and_named(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new()
+    document.modelspace().add_lwpolyline([(0, 0), (10, 0), (10, 8), (0, 8)], close=True)
+    document.modelspace().add_ellipse((5, 5), (float("nan"), 0), 0.5)
+    document.saveas(tmp_path / "plan.dxf")
+    assert "left out: 1 curve with a coordinate that is not finite" in read_problem(tmp_path / "plan.dxf", edge_length=2.0).notes
