@@ -108,7 +108,7 @@ def test_what_is_described_is_what_is_registered(client):
 
 def test_the_inputs_of_hops_are_those_of_saved_definitions(client):
     inputs = {own["Name"]: own for own in client.get("/cgc/solve").json["Inputs"]}
-    assert list(inputs) == ["Mesh", "Supports", "Creases", "K", "At", "Method", "S", "Delay", "Tolerance", "Measure"]
+    assert list(inputs) == ["Mesh", "Supports", "Creases", "K", "At", "Method", "S", "Delay", "Tolerance", "Measure", "Law"]
     assert [inputs[name]["Default"] for name in ("Method", "S", "Delay", "Tolerance", "Measure")] == ["auto", 0.8, 0, 0.0, "auto"]
     assert all(inputs[name]["AtLeast"] == inputs[name]["AtMost"] == 1 for name in ("Method", "S", "Delay", "Tolerance"))
     assert (inputs["S"]["Minimum"], inputs["S"]["Maximum"], inputs["Delay"]["Minimum"]) == (0, 1, 0)

@@ -34,7 +34,7 @@ INSIDE = {
         {"allowance", "method", "carried", "coarse", "half_sphere"},
         {"newton", "polish"},
         {"projection"},
-        {"rising", "drawn_side"},
+        {"rising", "drawn_side", "evened"},
         {"flow", "limits"},
         {"reasons", "registry"},
         {"choices"},
