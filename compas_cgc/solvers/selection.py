@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -86,13 +87,12 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         posed = problem
         if below and choice.method != "bending":
             posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
-        run = partial(run_method, METHODS[choice.method], settings=settings, options=choice.options, callback=callback)
-        solution = _judged(allowed.solved(partial(run, posed)), problem, callback)
-        solution = finished(solution, problem, choice, settings, callback)
+        own = _Attempt(choice, settings, callback, allowed)
+        solution = own.solved(posed, problem)
         judged = solution.verdict
         even = None if judged is None or judged.fair else evened(posed, solution.vertices)
         if even is not None:
-            again = _judged(allowed.solved(partial(run, posed.with_vertices(even))), problem.with_vertices(even), callback)
+            again = own.solved(posed.with_vertices(even), problem.with_vertices(even))
             if again.verdict is not None and again.verdict.fair:
                 solution, judged = again._replace(message=f"{again.message}; {EVENED}"), again.verdict
         tried.append((solution, choice))
@@ -113,6 +113,22 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     with allowed.for_reasons().counted():
         why = reasons()
     return _told(best if why else with_half_a_sphere(problem, best), choice, tried, why)
+
+
+class _Attempt(NamedTuple):
+    """A choice with what it is tried with."""
+
+    choice: Choice
+    settings: Optional[Settings]
+    callback: Callback
+    allowed: Allowance
+
+    def solved(self, posed: CGCProblem, problem: CGCProblem) -> Solution:
+        """Return the solution of a problem as it is posed to the method, which may be flipped, with a verdict where it has arrived."""
+        method, options = METHODS[self.choice.method], self.choice.options
+        run = partial(run_method, method, posed, settings=self.settings, options=options, callback=self.callback)
+        solution = _judged(self.allowed.solved(run), problem, self.callback)
+        return finished(solution, problem, self.choice, self.settings, self.callback)
 
 
 def finished(
