@@ -46,7 +46,7 @@ def evened(problem: CGCProblem, surface: FloatArray) -> Optional[FloatArray]:
     seen = plan_of(surface, problem.faces)
     if seen is None or problem.goals or (problem.roles == DUMMY).any():
         return None
-    plan, up = seen
+    plan, _ = seen
     held = boundary_vertices(surface, problem.faces) | (problem.roles == FIXED)
     held[problem.creases] = True
     stiffness = cotangent_laplacian(problem.vertices, problem.faces)[~held]
