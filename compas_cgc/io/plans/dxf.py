@@ -18,6 +18,7 @@ from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ...meshing.cleanup import Omission
 from .._files import read_bytes
+from ..cleanup import MAX_COORDINATE
 from ..cursor import READ_LIMITS
 from ..cursor import guarded
 from .joining import joined
@@ -35,6 +36,7 @@ MAX_ENTITIES = 200_000  # with those inside of blocks; a few nested blocks can h
 MAX_DEPTH = 32  # blocks within blocks
 SAGITTA = 1e-5  # of the size of the drawing, between a curve and its chords
 SEGMENTS = 16  # chords of a quarter of a circle at least
+OUT_OF_RANGE = f"with a coordinate that is not finite or exceeds {MAX_COORDINATE:g}"
 CURVES = {"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE", "HELIX"}
 IN_WORDS = {
     "3DSOLID": "solid",
@@ -237,7 +239,7 @@ class _Found:
             if kind == "LINE":
                 self._line([entity.dxf.start, entity.dxf.end], layer)
             elif kind == "POINT":
-                self.points.append(tuple(entity.dxf.location))
+                self._point(tuple(entity.dxf.location))
             elif kind == "3DFACE":
                 corners = np.array([tuple(corner) for corner in entity.wcs_vertices()])
                 self.quads.setdefault(layer, []).append(np.concatenate([corners, corners[-1:]])[:4])
@@ -255,12 +257,18 @@ class _Found:
 
     def _line(self, ends: list, layer: str) -> None:
         points = np.array([tuple(end) for end in ends], dtype=np.float64)
-        if not np.isfinite(points).all():
-            self.omitted["curve with a coordinate that is not finite"] += 1
+        if not _in_range(points):
+            self.omitted[f"curve {OUT_OF_RANGE}"] += 1
         elif (points[0] == points[1]).all():
             self.omitted["line without length"] += 1
         else:
             self.lines.append(PlanCurve(points, layer))
+
+    def _point(self, point: tuple[float, float, float]) -> None:
+        if _in_range(np.array(point)):
+            self.points.append(point)
+        else:
+            self.omitted[f"point {OUT_OF_RANGE}"] += 1
 
     def _path(self, entity: Any, layer: str) -> None:
         from ezdxf.path import make_path
@@ -291,14 +299,14 @@ class _Found:
             self.meshes.append(PlanMesh(vertices, np.arange(len(vertices)).reshape(-1, 4), layer))
         self.quads = {}
         rough = [PlanCurve(_points(path.control_vertices()), layer) for path, layer, _ in self.paths]
-        sagitta = SAGITTA * size([*self.lines, *(curve for curve in rough if np.isfinite(curve.points).all())])
+        sagitta = SAGITTA * size([*self.lines, *(curve for curve in rough if _in_range(curve.points))])
         curves = list(self.lines)
         for (path, layer, circle), curve in zip(self.paths, rough):
             # The division of a curve with a coordinate that is not finite would not end.
-            finite = sagitta > 0 and np.isfinite(curve.points).all()
-            points = _points(path.flattening(sagitta, SEGMENTS)) if finite else np.empty((0, 3))
-            if len(points) < 2 or not np.isfinite(points).all():
-                self.omitted["curve with a coordinate that is not finite"] += 1
+            divisible = sagitta > 0 and _in_range(curve.points)
+            points = _points(path.flattening(sagitta, SEGMENTS)) if divisible else np.empty((0, 3))
+            if len(points) < 2 or not _in_range(points):
+                self.omitted[f"curve {OUT_OF_RANGE}"] += 1
                 continue
             # First and last point must be identical for a closed curve.
             if path.is_closed and len(points) > 3:
@@ -326,6 +334,10 @@ def _quads(polygon: list[int]) -> Iterator[list[int]]:
         return
     for a, b in zip(polygon[1:], polygon[2:]):
         yield [polygon[0], a, b, b]
+
+
+def _in_range(points: FloatArray) -> bool:
+    return bool((np.abs(points) <= MAX_COORDINATE).all())
 
 
 def _points(places: Iterable) -> FloatArray:

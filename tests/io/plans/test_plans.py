@@ -235,10 +235,16 @@ def test_an_inner_closed_curve_is_a_hole_from_every_door(tmp_path):
     assert sum(face_areas(folded.problem.vertices, folded.problem.faces)) == pytest.approx(60) and len(folded.problem.crease_paths()) == 1
 
 
-def test_a_curve_that_is_not_finite_is_left_out_and_named(tmp_path):
-    ezdxf = pytest.importorskip("ezdxf")
+@pytest.mark.parametrize("x", [float("nan"), 1e100])
+def test_coordinates_out_of_range_are_left_out_and_named(tmp_path, x):
     document = ezdxf.new()
-    document.modelspace().add_lwpolyline([(0, 0), (10, 0), (10, 8), (0, 8)], close=True)
-    document.modelspace().add_ellipse((5, 5), (float("nan"), 0), 0.5)
+    space = document.modelspace()
+    space.add_lwpolyline([(0, 0), (10, 0), (10, 8), (0, 8)], close=True)
+    space.add_ellipse((5, 5), (x, 0), 0.5)
+    space.add_line((1, 1), (x, 2))
+    space.add_point((x, 1))
     document.saveas(tmp_path / "plan.dxf")
-    assert "left out: 1 curve with a coordinate that is not finite" in read_problem(tmp_path / "plan.dxf", edge_length=2.0).notes
+    reason = "with a coordinate that is not finite or exceeds 1e+12"
+    read = read_problem(tmp_path / "plan.dxf", edge_length=2.0)
+    assert f"left out: 2 curves {reason}, 1 point {reason}" in read.notes
+    assert np.ptp(read.problem.vertices, axis=0) == pytest.approx([10, 8, 0])
