@@ -63,7 +63,8 @@ _EPILOG = """\
 A .3dm file contains supports as points and creases as curves. If a file contains no supports, use --supports.
 
 The first word of the result is the verdict: fair (smooth) or rough. A rough surface is written too, and the exit code is 3. A surface
-that does not reach the tolerance is written to NAME.unfinished.SUFFIX beside OUTPUT; OUTPUT itself is not replaced.
+that does not reach the tolerance is written to NAME.unfinished.SUFFIX beside OUTPUT, and so are its report and its picture; the files of
+an earlier solve are not replaced.
 
 examples:
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.03
@@ -186,15 +187,16 @@ def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], 
     from ..plot.output import check_picture
 
     check_picture(arguments.picture)
-    return partial(_draw, arguments.picture, arguments.picture_of)
+    return partial(_draw, Path(arguments.picture), arguments.picture_of)
 
 
-def _draw(path: str, of: str, result: SolveResult) -> Path:
+def _draw(picture: Path, of: str, result: SolveResult) -> Path:
     """Draw a result and return the path of the picture."""
     from ..plot import draw_zebra
     from ..plot import save
     from ..plot import studio
 
+    path = _named(picture, result)
     problem = result.problem
     shape = (problem.vertices, problem.faces, problem.roles, problem.creases)
     if of == "zebra":
@@ -242,8 +244,9 @@ def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: 
     from .._version import __version__
     from ..io._files import written
 
+    path = _named(Path(arguments.report), result)
     report = {"version": __version__, "input": Path(arguments.input).name, **result.to_dict(), **analysis.to_dict(), **more}
-    with written(arguments.report) as temporary:
+    with written(path) as temporary:
         temporary.write_bytes((json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode("utf-8"))
 
 
@@ -270,16 +273,21 @@ def _write_surface(
             print(f"compas-cgc: K meets its target, but the surface is {analysis.verdict}", file=sys.stderr)
         return (DONE if analysis.verdict.fair else ROUGH), [*notes, f"wrote {output}"], output
     print(f"compas-cgc: {result.message}", file=sys.stderr)
-    unfinished = _unfinished(output) if result.status in UNFINISHED else None
+    unfinished = _named(_mesh_file(output), result) if result.status in UNFINISHED else None
     if unfinished is not None:
         write(unfinished, result, source=arguments.input, analysis=analysis)
         print(f"compas-cgc: wrote the unfinished surface to {unfinished}; {output} is unchanged", file=sys.stderr)
     return (INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED), [], unfinished
 
 
-def _unfinished(output: Path) -> Path:
-    suffix = MESH_SUFFIX if FORMATS[output.suffix.lower()].surfaces else output.suffix
-    return output.with_name(f"{output.stem}.unfinished{suffix}")
+def _named(path: Path, result: SolveResult) -> Path:
+    """Return the path of an output, with a name of its own if the solve is unfinished, so that no output mixes with those of another."""
+    return path if result.converged else path.with_name(f"{path.stem}.unfinished{path.suffix}")
+
+
+def _mesh_file(output: Path) -> Path:
+    """Return the path of an output with the format of a mesh instead of one of smooth surfaces."""
+    return output.with_suffix(MESH_SUFFIX) if FORMATS[output.suffix.lower()].surfaces else output
 
 
 def _save_elsewhere(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, error: FileError) -> int:
@@ -289,7 +297,8 @@ def _save_elsewhere(arguments: argparse.Namespace, result: SolveResult, analysis
     print(f"compas-cgc: {error}", file=sys.stderr)
     if not (result.converged or result.status in UNFINISHED):
         return NOT_CONVERGED
-    output = Path(arguments.output) if result.converged else _unfinished(Path(arguments.output))
+    output = Path(arguments.output)
+    output = output if result.converged else _named(_mesh_file(output), result)
     try:
         saved = Path(tempfile.mkdtemp(prefix="compas_cgc-")) / output.name
         write(saved, result, source=arguments.input, analysis=analysis)

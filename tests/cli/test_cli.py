@@ -166,7 +166,8 @@ def test_a_solve_that_does_not_converge_keeps_the_old_file(dome, tmp_path, capsy
     out = tmp_path / "roof.json"
     out.write_text("precious")
     assert call("solve", dome, "-o", out, "--target", "0.01", "--method", "flow", "--steps", "5", "--report", tmp_path / "r.json") == 1
-    assert json.loads((tmp_path / "r.json").read_text())["surface"] == "roof.unfinished.json"
+    assert json.loads((tmp_path / "r.unfinished.json").read_text())["surface"] == "roof.unfinished.json"
+    assert not (tmp_path / "r.json").exists(), "a report does not stand beside the surface of another solve"
     said = capsys.readouterr()
     assert "not converged in 5 steps" in said.err and "roof.unfinished.json" in said.err
     assert out.read_text() == "precious"
@@ -254,7 +255,7 @@ def test_control_c_keeps_the_last_good_state(tmp_path):
     assert "Traceback" not in said and "cancelled" in said and not out.exists()
     kept = CGCMesh.from_json(tmp_path / "roof.unfinished.json")
     assert max(kept.vertices_attribute("z")) > 0
-    assert json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["status"] == "cancelled"
+    assert json.loads((tmp_path / "report.unfinished.json").read_text(encoding="utf-8"))["status"] == "cancelled"
 
 
 # ----------------------------------------------------------------------

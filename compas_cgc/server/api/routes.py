@@ -26,6 +26,7 @@ from ..errors import RequestError
 from ..errors import Unprocessable
 from ..jobs.store import Job
 from ..security import client_name
+from ..uploads import body_held
 from .blocking_calls import jobs
 from .blocking_calls import run_in_reader
 from .blocking_calls import run_in_worker
@@ -96,17 +97,20 @@ def submit() -> Response:
         raise Unprocessable("'follow' can only be true; the response is then a stream of events")
     if kind == "json":
         check_length(request.content_length, limits)
-    with current_app.extensions["bodies"].held(request.content_length or 0, client_name()):
-        body = request.get_data(cache=False)
-        if kind == "json":
+    if kind == "json":
+        with body_held() as body:
             read = json_submission(body, limits) if is_light(body, limits) else run_in_reader(json_submission, body, limits)
             given = with_result(read, jobs().result)
-        elif kind in KINDS:
-            given = file_submission(kind, body, request.args.get("options", "{}"), limits)
-        else:
-            raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
-        g.spent = {"check": time.perf_counter() - started}
-        job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
+            g.spent = {"check": time.perf_counter() - started}
+            job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
+    elif kind in KINDS:
+        length = request.content_length or 0
+        given = file_submission(kind, length, request.args.get("options", "{}"), limits)
+        # The file goes from the connection to the disk in pieces; few at a time, as they share the disk.
+        with current_app.extensions["bodies"].held(length, client_name()):
+            job, _ = jobs().submit(given.kind, request.stream, given.options, given.id, client_name())
+    else:
+        raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
     # If all slots are taken, respond at once; the client polls.
     if follow and _wait_slots().acquire(blocking=False):
         return _stream(job.id, with_surface="task" not in given.options)
@@ -198,10 +202,10 @@ def merged_result(id: str) -> Response:
     """Return the uploaded .3dm file with the result of a job merged into it."""
     if request.args.get("format", "3dm") != "3dm":
         raise Unprocessable("'format' must be 3dm, the only format with content besides the mesh")
-    source = request.get_data(cache=False)
-    if not source:
-        raise BadRequest("the request is empty; send the bytes of the .3dm file")
-    content = run_in_reader(merged_into, source, jobs().result(id))
+    with body_held() as source:
+        if not source:
+            raise BadRequest("the request is empty; send the bytes of the .3dm file")
+        content = run_in_reader(merged_into, source, jobs().result(id))
     return Response(content, mimetype=KINDS["3dm"], headers={"Content-Disposition": 'attachment; filename="result.3dm"'})
 
 

@@ -85,15 +85,15 @@ def json_submission(body: bytes, limits: Limits) -> Submission:
     return Submission("result", b"", {**_without(own, "id"), **common}, _id_of(value), value["job"])
 
 
-def file_submission(kind: str, body: bytes, text: str, limits: Limits) -> Submission:
-    """Return the submission of a file and its options (JSON).
+def file_submission(kind: str, size: int, text: str, limits: Limits) -> Submission:
+    """Return the submission of a file of a size [bytes] and its options (JSON), without the content of the file.
 
     Raises
     ------
     RequestError
         If an option is invalid.
     """
-    if not body:
+    if not size:
         raise BadRequest("the request is empty; send the bytes of the file")
     options: Any = read_json(text.encode("utf-8", "surrogatepass"), limits)
     if not isinstance(options, dict) or set(options) - set(FILE_OPTIONS):
@@ -102,12 +102,12 @@ def file_submission(kind: str, body: bytes, text: str, limits: Limits) -> Submis
     if task == SOLVE:
         own = _without(options, "task")
         check_options(own, None, limits)
-        return Submission(kind, body, _without(own, "id"), _id_of(own))
+        return Submission(kind, b"", _without(own, "id"), _id_of(own))
     own = _without(options, "task", "settings")
     _refuse_options_of_a_solve(own, task)
     check_options(own, None, limits)
     common = {"task": task, "settings": check_build(task, options.get("settings"), limits)}
-    return Submission(kind, body, {**_without(own, "id"), **common}, _id_of(own))
+    return Submission(kind, b"", {**_without(own, "id"), **common}, _id_of(own))
 
 
 def _task_of(value: Mapping[str, Any]) -> str:

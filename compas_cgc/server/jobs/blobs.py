@@ -33,23 +33,28 @@ class Blobs:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
 
     @contextmanager
-    def staged(self, content: bytes) -> Iterator[str]:
-        """Write content to the disk, and delete it at the end of the block unless :meth:`place` gave it a place."""
+    def staged(self, content: Iterable[bytes]) -> Iterator[tuple[str, int]]:
+        """Write the pieces of content to the disk, and delete it at the end of the block unless :meth:`place` gave it a place.
+
+        Yields its name and its size [bytes].
+        """
         name = f"{_OWN}-{secrets.token_hex(8)}"
         if self.folder is None:
-            self._memory[name] = content
+            whole = self._memory[name] = b"".join(content)
             try:
-                yield name
+                yield name, len(whole)
             finally:
                 self._memory.pop(name, None)
             return
         path = self.folder / name
         try:
             with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-                file.write(content)
+                for piece in content:
+                    file.write(piece)
+                size = file.tell()
                 file.flush()
                 os.fsync(file.fileno())
-            yield name
+            yield name, size
         finally:
             path.unlink(missing_ok=True)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import logging
 import re
@@ -15,8 +16,11 @@ from collections import deque
 from collections.abc import Iterator
 from collections.abc import Sequence
 from concurrent.futures import Future
+from typing import Any
+from typing import BinaryIO
 from typing import Callable
 from typing import Optional
+from typing import Union
 
 from ...execution.future import Task
 from ...execution.future import start
@@ -30,6 +34,7 @@ from ..errors import NotFound
 from ..errors import ServerStopping
 from ..errors import Unprocessable
 from ..limits import Limits
+from ..uploads import pieces
 from .calls import Calls
 from .outcome import CANCELLED
 from .outcome import Outcome
@@ -129,7 +134,13 @@ class Jobs:
     # ------------------------------------------------------------------
 
     def submit(
-        self, kind: str, body: bytes, options: Optional[dict] = None, id: Optional[str] = None, client: str = "", owner: str = ""
+        self,
+        kind: str,
+        body: Union[bytes, BinaryIO],
+        options: Optional[dict] = None,
+        id: Optional[str] = None,
+        client: str = "",
+        owner: str = "",
     ) -> tuple[Job, bool]:
         """Accept a job and start it when a worker is free.
 
@@ -138,7 +149,7 @@ class Jobs:
         kind
             Format of the body, such as ``"json"`` or ``"3dm"``.
         body
-            The checked request.
+            The checked request, or a file that is read in pieces.
         options
             Options that a file cannot hold: supports, targets, method, settings.
         id
@@ -162,36 +173,35 @@ class Jobs:
         """
         options = options or {}
         checksum = hashlib.sha256(json.dumps([kind, options], sort_keys=True).encode())
-        checksum.update(body)
-        digest = checksum.hexdigest()
+        content = _counted(io.BytesIO(body) if isinstance(body, bytes) else body, checksum)
         if id is not None and not _ID.fullmatch(id):
             raise Unprocessable("the id of a job must consist of 8 to 64 letters, digits, '-' or '_'")
         # Without holding up others while the body is written; another request may have taken the id or the room meanwhile.
         with self._change:
-            known = self._known_or_room(id, digest, client, owner, len(body))
+            known = self._known_or_room(id, client, owner, len(body) if isinstance(body, bytes) else 0)
         if known is not None:
-            return known, False
-        with self.store.staged(body) as content, self._change:
-            known = self._known_or_room(id, digest, client, owner, len(body))
+            deque(content, maxlen=0)
+            return _same(known, checksum.hexdigest()), False
+        with self.store.staged(content) as staged, self._change:
+            digest = checksum.hexdigest()
+            known = self._known_or_room(id, client, owner, staged.size)
             if known is not None:
-                return known, False
+                return _same(known, digest), False
             id = owned_id(owner, id or secrets.token_urlsafe(16))
             name = str(options.get("name", ""))[:100]
             task = {"task": options["task"]} if "task" in options else {}
             job = Job(id, "queued", time.time(), None, None, 0, client, digest, name, task, None, None)
-            self.store.add(job, kind, options, content)
+            self.store.add(job, kind, options, staged)
             self._start(job, kind, options)
         return job, True
 
-    def _known_or_room(self, id: Optional[str], digest: str, client: str, owner: str, size: int) -> Optional[Job]:
-        """Return the job with this id and request; None if there is none, and room for it."""
+    def _known_or_room(self, id: Optional[str], client: str, owner: str, size: int) -> Optional[Job]:
+        """Return the job with this id; None if there is none, and room for it."""
         self._forget()
         known = self._found(owned_id(owner, id)) if id is not None else None
         if known is None:
             self.admit(client)
             self._check_room(owner, size)
-        elif known.digest != digest:
-            raise Conflict(f"the id {id} belongs to a different request; choose another id")
         return known
 
     def get(self, id: str) -> Job:
@@ -550,3 +560,23 @@ class Jobs:
             text = "the server could not store the result, probably because its disk is full; free disk space and submit the job again"
             self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=running.progress)
             self._change.notify_all()
+
+
+def _counted(stream: BinaryIO, checksum: Any) -> Iterator[bytes]:
+    """Yield the content of a stream in pieces, and add it to a checksum."""
+    for piece in pieces(stream):
+        checksum.update(piece)
+        yield piece
+
+
+def _same(job: Job, digest: str) -> Job:
+    """Return a job after checking that it has the same request.
+
+    Raises
+    ------
+    Conflict
+        If it has another one.
+    """
+    if job.digest != digest:
+        raise Conflict(f"the id {job.shown().id} belongs to a different request; choose another id")
+    return job

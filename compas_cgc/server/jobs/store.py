@@ -9,9 +9,11 @@ import shutil
 import sqlite3
 import threading
 import time
+from collections.abc import Iterable
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 from typing import Optional
@@ -204,15 +206,22 @@ class Store:
             self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
 
     @contextmanager
-    def staged(self, content: Union[bytes, Staged]) -> Iterator[Staged]:
+    def staged(self, content: Union[bytes, Iterable[bytes], Staged]) -> Iterator[Staged]:
         """Write large content to the disk before its job is stored, so that no request waits for the disk of another."""
         if isinstance(content, Staged):
             yield content
-        elif len(content) <= INLINE:
-            yield Staged(len(content), content, None)
+            return
+        pieces = iter([content] if isinstance(content, bytes) else content)
+        first = b""
+        for piece in pieces:
+            first = first + piece if first else piece
+            if len(first) > INLINE:
+                break
+        if len(first) <= INLINE:
+            yield Staged(len(first), first, None)
         else:
-            with self.blobs.staged(content) as name:
-                yield Staged(len(content), b"", name)
+            with self.blobs.staged(chain([first], pieces)) as (name, size):
+                yield Staged(size, b"", name)
 
     def _place(self, content: Staged, kind: str, id: str) -> None:
         if content.name is not None:

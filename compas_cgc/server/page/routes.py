@@ -15,6 +15,7 @@ from flask import request
 
 from ...io.formats import listed
 from ..api.blocking_calls import run_in_reader
+from ..api.decoding import check_length
 from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
 from ..api.responses import respond
@@ -22,6 +23,7 @@ from ..api.schemas import PLAN_KINDS
 from ..errors import BadRequest
 from ..errors import NotFound
 from ..errors import Unprocessable
+from ..uploads import body_held
 from .drawing import mesh_of_sketch
 from .drawing import read_sketch
 from .gallery import GALLERY
@@ -130,10 +132,10 @@ def model() -> Response:
     kind, name = request.args.get("kind", ""), request.args.get("name", "")[:100]
     if kind not in KINDS:
         raise Unprocessable(f"'kind' must be {' or '.join(KINDS)}; save the mesh in one of these formats")
-    body = request.get_data(cache=False)
-    if not body:
-        raise BadRequest("the request is empty; send the bytes of the file")
-    found = run_in_reader(read_model, kind, body, name, current_app.config["LIMITS"], _edge_length())
+    with body_held() as body:
+        if not body:
+            raise BadRequest("the request is empty; send the bytes of the file")
+        found = run_in_reader(read_model, kind, body, name, current_app.config["LIMITS"], _edge_length())
     return Response(found, mimetype="application/json")
 
 
@@ -143,10 +145,10 @@ def plan() -> Response:
     kind = request.args.get("kind", "")
     if kind not in PLAN_KINDS:
         raise Unprocessable(f"'kind' must be {' or '.join(PLAN_KINDS)}")
-    body = request.get_data(cache=False)
-    if not body:
-        raise BadRequest("the request is empty; send the bytes of the file")
-    return Response(run_in_reader(read_plan, kind, body, _join()), mimetype="application/json")
+    with body_held() as body:
+        if not body:
+            raise BadRequest("the request is empty; send the bytes of the file")
+        return Response(run_in_reader(read_plan, kind, body, _join()), mimetype="application/json")
 
 
 def _join() -> Optional[float]:
@@ -181,7 +183,9 @@ def _edge_length() -> Optional[float]:
 def drawing() -> Response:
     """Mesh a drawing."""
     limits = current_app.config["LIMITS"]
-    sketch = read_sketch(read_json(request.get_data(cache=False), limits), limits)
+    check_length(request.content_length, limits)
+    with body_held() as body:
+        sketch = read_sketch(read_json(body, limits), limits)
     return Response(run_in_reader(mesh_of_sketch, sketch, limits), mimetype="application/json")
 
 

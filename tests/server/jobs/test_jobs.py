@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import threading
 import time
+import tracemalloc
 from concurrent.futures import Future
 from concurrent.futures import ThreadPoolExecutor
 
@@ -427,4 +429,32 @@ def test_nobody_waits_for_the_disk_while_a_large_request_is_written(tmp_path, mo
     go.set()
     upload.join(PATIENCE)
     assert waits == [True] and store.body(engine.list()[0].id) == 300_000 * b"x"
+    engine.close()
+
+
+class Endless(io.RawIOBase):
+    """Stream of zeros, nothing of which is held in memory."""
+
+    def __init__(self, size):
+        self.left = size
+
+    def read(self, size=-1):
+        count = self.left if size < 0 else min(size, self.left)
+        self.left -= count
+        return bytes(count)
+
+
+def test_files_go_to_the_disk_in_pieces(tmp_path, monkeypatch):
+    engine = Jobs(Never(), Store(tmp_path / "jobs.sqlite"), soon)
+    monkeypatch.setattr(engine, "_start", lambda job, kind, options: None)
+    size = 40 * 2**20
+    tracemalloc.start()
+    job, new = engine.submit("obj", Endless(size), id="large-file")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert new and peak < size / 4
+    assert engine.store.body(job.id) == bytes(size)
+    assert engine.submit("obj", bytes(size), id="large-file") == (job, False), "bytes and a stream with the same content are one request"
+    with pytest.raises(Conflict):
+        engine.submit("obj", Endless(size - 1), id="large-file")
     engine.close()
