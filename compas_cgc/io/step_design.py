@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import os
+import pickle
+import subprocess
+import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import CGCError
 from ..errors import FileError
 from .cursor import guarded
 from .opencascade import EDGE
@@ -22,20 +27,24 @@ from .opencascade import opencascade
 from .rhino.designs import DrawnDesign
 from .rhino.designs import DrawnSpline
 
-__all__ = ["read_step_design"]
+__all__ = ["main", "read_step_design"]
 
 DEFLECTION = 5e-5  # of triangles from trimmed faces, relative to the size
 TOLERANCE = 1e-4  # of the surface fitted to these triangles, relative to the size
-ANGLE = 0.1  # largest angle between adjacent triangles [rad]
+ANGLES = (0.1, 0.5)  # largest angle between adjacent triangles, usually and beside spikes [rad]
+COARSE = 20.0  # deflection of a first division, relative to that of the second
+MAX_GROWTH = 2.0  # of the number of triangles of the first division by a small angle, beyond which there are spikes
 COINCIDENCE = 1e-7  # distance within which points of neighbouring faces coincide, relative to the size
 ON_SIDE = 1e-6  # distance of an edge from a side of its surface, relative to the range of the parameters
 EDGE_POINTS = 9
+SECONDS, SECONDS_PER_BYTE = 20.0, 20e-6  # longest time of reading; a tenth of it is usual
 
 
 def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
     """Read a design from a STEP file, in millimetres.
 
-    An untrimmed surface is read exactly; other faces are sewn and divided into triangles.
+    An untrimmed surface is read exactly; other faces are sewn and divided into triangles. A damaged file can make OpenCASCADE crash or
+    divide faces for minutes, so it runs in a process of its own with a limit of time.
 
     Parameters
     ----------
@@ -47,9 +56,47 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
     FileError
         If the file cannot be read or holds no faces, or if the package that reads STEP files is not installed.
     """
-    occt = opencascade()
-    if not Path(path).is_file():
+    opencascade()
+    path = Path(path)
+    if not path.is_file():
         raise FileError(f"there is no file {path}")
+    if not Path(sys.executable or "").stem.lower().startswith("python"):
+        # Within another program, such as Rhino, there may be no interpreter to start.
+        return _read(path)
+    limit = SECONDS + SECONDS_PER_BYTE * path.stat().st_size
+    with tempfile.TemporaryDirectory() as folder:
+        result = Path(folder) / "design"
+        try:
+            done = subprocess.run(
+                [sys.executable, "-c", "from compas_cgc.io.step_design import main; main()", str(path), str(result)],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+                timeout=limit,
+            )
+        except subprocess.TimeoutExpired:
+            raise FileError(f"{path} takes more than {limit:.0f} s to read; repair its faces, or export fewer of them") from None
+        if done.returncode:
+            raise FileError(f"{path} cannot be read, as OpenCASCADE fails on it; repair its faces and export it again")
+        found = pickle.loads(result.read_bytes())
+    if isinstance(found, str):
+        raise FileError(found)
+    return found
+
+
+def main() -> None:
+    """Read the design in the file of the first argument, and write it, or the reason why it cannot be read, to that of the second."""
+    path, result = map(Path, sys.argv[1:])
+    found: Union[DrawnDesign, str]
+    try:
+        found = _read(path)
+    except CGCError as error:
+        found = str(error)
+    result.write_bytes(pickle.dumps(found))
+
+
+def _read(path: Path) -> DrawnDesign:
+    occt = opencascade()
     try:
         shape = occt.read_step(str(path))
         faces = occt.shape_explore(shape, FACE)
@@ -57,12 +104,17 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
         raise FileError(f"{path} cannot be read as a STEP file; export it again, as AP214 or AP242 ({error!s:.80})") from None
     if not faces:
         raise FileError(f"{path} holds no faces; export the design as surfaces, not as curves or meshes")
-    with guarded(Path(path)):
+    with guarded(path):
         low, high = (np.array(corner) for corner in occt.aabb(shape, True))
         size = float(np.linalg.norm(high - low))
         spline = _spline(occt, faces[0]) if len(faces) == 1 else None
         vertices, triangles = np.empty((0, 3)), np.empty((0, 4), np.int64)
         if spline is None:
+            # Dividing faces between edges that do not fit to them can take minutes.
+            if not occt.is_valid(shape):
+                raise FileError(
+                    f"{path} holds faces that are not valid, such as ones with edges off their surfaces; repair them and export again"
+                )
             vertices, triangles = _triangles(occt, occt.sew(shape) if len(faces) > 1 else shape, size)
         return DrawnDesign(spline, vertices, triangles, [], [], "Millimeters", TOLERANCE * size, [])
 
@@ -97,7 +149,7 @@ def _knots(knots: Callable, times: Callable, surface: Any) -> FloatArray:
 
 def _triangles(occt: Any, shape: Any, size: float) -> tuple[FloatArray, IntArray]:
     """Return the vertices and triangles, with a repeated last corner, of all faces; their common points are merged."""
-    points, corners, _ = occt.tesselate(shape, DEFLECTION * size, ANGLE)
+    points, corners, _ = occt.tesselate(shape, DEFLECTION * size, _angle(occt, shape, size))
     V = np.asarray(points, float).reshape(-1, 3)
     F = np.asarray(corners, np.int64).reshape(-1, 3)
     first = np.arange(len(V))
@@ -107,3 +159,14 @@ def _triangles(occt: Any, shape: Any, size: float) -> tuple[FloatArray, IntArray
     F = F.reshape(-1, 3)
     F = F[(F != np.roll(F, 1, axis=1)).all(axis=1)]
     return V[used], np.column_stack([F, F[:, 2]])
+
+
+def _angle(occt: Any, shape: Any, size: float) -> float:
+    """Return the largest angle between adjacent triangles [rad].
+
+    A small angle divides spikes, as of one misplaced control point, far below the deflection, which takes seconds for each.
+    """
+    small, wide = ANGLES
+    # A copy has no triangles, which would be used again.
+    few, many = (len(occt.tesselate(occt.copy(shape), COARSE * DEFLECTION * size, angle)[1]) for angle in (wide, 2 * small))
+    return wide if many > MAX_GROWTH * few else small

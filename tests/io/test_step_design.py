@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 import compas_cgc
+from compas_cgc import CGCMesh
 from compas_cgc.discrete.nurbs import NurbsPatch
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
+from compas_cgc.io import step_design
 from compas_cgc.io.opencascade import opencascade
 from compas_cgc.io.opencascade import step_content
 from compas_cgc.io.opencascade import untrimmed_face
@@ -60,3 +64,41 @@ def test_a_surface_beyond_all_bounds_is_refused_with_a_sentence(tmp_path):
     (tmp_path / "far.step").write_text(text[:pole] + "1.E308" + text[text.index(",", pole) :], encoding="utf-8")
     with pytest.raises(FileError, match=r"far\.step cannot be read"):
         read_step_design(tmp_path / "far.step")
+
+
+@pytest.fixture(scope="module")
+def cushion(tmp_path_factory):
+    """Text of a STEP file of one trimmed face."""
+    path = tmp_path_factory.mktemp("step") / "cushion.step"
+    mesh = CGCMesh.from_meshgrid(dx=5, nx=6)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.05)
+    compas_cgc.write(path, compas_cgc.solve(mesh))
+    return path.read_text(encoding="utf-8")
+
+
+def moved(text, entity, index, x):
+    """Return a STEP file in which a pole of the first curve or surface has another first coordinate."""
+    start = text.index(entity)
+    poles = re.findall(r"#\d+", text[start : text.index(".UNSPECIFIED.", start)])
+    return re.sub(rf"({poles[index]} = CARTESIAN_POINT\('',\()[^,]*", rf"\g<1>{x}", text, count=1)
+
+
+def test_a_spike_does_not_multiply_the_triangles(cushion, tmp_path):
+    (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
+    (tmp_path / "spike.step").write_text(moved(cushion, "B_SPLINE_SURFACE", 135, "4.E4"), encoding="utf-8")
+    smooth, spike = (read_step_design(tmp_path / f"{name}.step") for name in ("cushion", "spike"))
+    assert len(spike.faces) < 2 * len(smooth.faces)
+
+
+def test_edges_far_from_their_faces_are_refused(cushion, tmp_path):
+    (tmp_path / "edge.step").write_text(moved(cushion, "B_SPLINE_CURVE", 0, "9.E3"), encoding="utf-8")
+    with pytest.raises(FileError, match=r"edge\.step (cannot be read, as OpenCASCADE fails on it|holds faces that are not valid)"):
+        read_step_design(tmp_path / "edge.step")
+
+
+def test_reading_ends_with_a_limit_of_time(cushion, tmp_path, monkeypatch):
+    (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
+    monkeypatch.setattr(step_design, "SECONDS", 0.0)
+    with pytest.raises(FileError, match="takes more than"):
+        read_step_design(tmp_path / "cushion.step")
