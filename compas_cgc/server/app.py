@@ -22,6 +22,7 @@ from werkzeug.exceptions import HTTPException
 
 from ..execution.pool import WorkerPool
 from ..execution.protocol import AnyExecutor
+from .api.designs import designs
 from .api.mesh_files import warm_up_io
 from .api.requests import READERS
 from .api.responses import respond
@@ -125,6 +126,7 @@ def create_app(
     app.register_error_handler(sqlite3.DatabaseError, _no_room)
     app.register_error_handler(Exception, _bug)
     app.register_blueprint(api)
+    app.register_blueprint(designs)
     app.register_blueprint(hops)
     app.register_blueprint(page)
     app.register_blueprint(operation)

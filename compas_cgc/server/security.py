@@ -20,6 +20,7 @@ __all__ = ["Forbidden", "Misdirected", "TooManyKeys", "Unauthorized", "caller", 
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 OPERATOR_PATHS = ("/metrics",)
+SHARED_PATH = "/api/v1/shared/"  # whoever has the random token that follows may read the design
 OWNER_HEADER = "CGC-Owner"
 log = logging.getLogger(__name__)
 
@@ -107,8 +108,9 @@ def _is_link_to_page() -> bool:
 
 
 def _is_open() -> bool:
-    """Check whether the address needs no key: descriptions, health and version, which Hops requests without a key."""
-    return request.method in ("GET", "HEAD", "OPTIONS") and not request.path.startswith("/api/")
+    """Check whether the address needs no key: a link, and descriptions, health and version, which Hops requests without a key."""
+    open_path = request.path.startswith(SHARED_PATH) or not request.path.startswith("/api/")
+    return request.method in ("GET", "HEAD", "OPTIONS") and open_path
 
 
 def caller() -> Key:

@@ -12,8 +12,13 @@ from .moulds import MOULD_FORMATS
 from .moulds import MOULD_OPTIONS
 from .result_schemas import RESULT_SCHEMAS
 from .schemas import BYTES
+from .schemas import DESIGN
+from .schemas import DESIGN_LIST
 from .schemas import JOB
 from .schemas import JOB_LIST
+from .schemas import LINK
+from .schemas import LINK_LIST
+from .schemas import LINK_REQUEST
 from .schemas import METHODS
 from .schemas import MODEL
 from .schemas import PAGE
@@ -44,6 +49,14 @@ OPERATIONS = {
     ("get", "/api/v1/jobs/{id}/moulds"): "getMoulds",
     ("get", "/api/v1/jobs/{id}/surface"): "getSurface",
     ("get", "/api/v1/jobs/{id}/events"): "followJob",
+    ("get", "/api/v1/designs"): "listDesigns",
+    ("get", "/api/v1/designs/{id}"): "getDesign",
+    ("put", "/api/v1/designs/{id}"): "storeDesign",
+    ("delete", "/api/v1/designs/{id}"): "deleteDesign",
+    ("get", "/api/v1/designs/{id}/links"): "listLinks",
+    ("post", "/api/v1/designs/{id}/links"): "createLink",
+    ("delete", "/api/v1/designs/{id}/links/{link}"): "revokeLink",
+    ("get", "/api/v1/shared/{token}"): "getSharedDesign",
     ("post", "/api/v1/models"): "readModel",
     ("post", "/api/v1/plans"): "readPlan",
     ("post", "/api/v1/drawings"): "meshDrawing",
@@ -65,7 +78,7 @@ READY = {
     "required": ["ready", "problems"],
     "properties": {"ready": {"type": "boolean"}, "problems": {"type": "array", "items": {"type": "string"}}},
 }
-_ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"}}
+_ID, _LINK, _TOKEN = ({"name": name, "in": "path", "required": True, "schema": {"type": "string"}} for name in ("id", "link", "token"))
 
 
 def description() -> dict:
@@ -200,6 +213,7 @@ def _description() -> dict:
                     "429",
                 ),
             },
+            **_design_paths(),
             "/api/v1/models": {
                 "parameters": [
                     {"name": "kind", "in": "query", "required": True, "schema": {"enum": list(KINDS)}},
@@ -271,6 +285,47 @@ def _description() -> dict:
             },
         },
         "security": [{}, {"bearer": []}, {"compute": []}],
+    }
+
+
+def _design_paths() -> dict:
+    """Return the descriptions of the addresses of designs and links."""
+    content = {"200": {"description": "the content", "content": _content(["application/octet-stream"])}}
+    deleted = {"204": {"description": "deleted"}}
+    revision = {
+        "name": "If-Match",
+        "in": "header",
+        "schema": {"type": "string"},
+        "description": "revision that is replaced; a design is new without it",
+    }
+    return {
+        "/api/v1/designs": {"get": _operation("List the designs, newest first", {"200": _json(DESIGN_LIST)}, "401")},
+        "/api/v1/designs/{id}": {
+            "parameters": [_ID],
+            "get": _operation("Return the content of a design", content, "401", "404"),
+            "put": {
+                **_operation("Store a design", {"200": _json(DESIGN)}, "401", "404", "409", "413", "415", "422", "429", "507"),
+                "parameters": [{"name": "name", "in": "query", "schema": {"type": "string"}}, revision],
+                "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}},
+            },
+            "delete": _operation("Delete a design and its links", deleted, "401", "404"),
+        },
+        "/api/v1/designs/{id}/links": {
+            "parameters": [_ID],
+            "get": _operation("List the links to a design", {"200": _json(LINK_LIST)}, "401", "404"),
+            "post": {
+                **_operation("Create a link to a design", {"201": _json(LINK)}, "400", "401", "404", "413", "415", "422"),
+                "requestBody": {"required": True, "content": {"application/json": {"schema": LINK_REQUEST}}},
+            },
+        },
+        "/api/v1/designs/{id}/links/{link}": {
+            "parameters": [_ID, _LINK],
+            "delete": _operation("Revoke a link", deleted, "401", "404"),
+        },
+        "/api/v1/shared/{token}": {
+            "parameters": [_TOKEN],
+            "get": _operation("Return the content of the design of a link; needs no key", content, "404"),
+        },
     }
 
 

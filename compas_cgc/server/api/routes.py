@@ -26,7 +26,6 @@ from ..errors import RequestError
 from ..errors import Unprocessable
 from ..jobs.store import Job
 from ..security import client_name
-from ..uploads import body_held
 from .blocking_calls import jobs
 from .blocking_calls import run_in_reader
 from .blocking_calls import run_in_worker
@@ -54,6 +53,7 @@ from .schemas import STATES
 from .submissions import file_submission
 from .submissions import json_submission
 from .submissions import with_result
+from .uploads import body_held
 
 __all__ = ["api"]
 

@@ -6,6 +6,7 @@ from ...io.formats import FORMATS
 from ...meshing.boundary import SUPPORT_NAMES
 from ...model.constraint_data import KINDS as CONSTRAINTS
 from ...solvers.registry import method_names
+from ..jobs.designs import MODES
 from .builds import SOLVE
 from .builds import TASK_NAMES
 from .builds import tasks
@@ -16,8 +17,13 @@ from .units import UNITS
 
 __all__ = [
     "BYTES",
+    "DESIGN",
+    "DESIGN_LIST",
     "JOB",
     "JOB_LIST",
+    "LINK",
+    "LINK_LIST",
+    "LINK_REQUEST",
     "METHODS",
     "MODEL",
     "PAGE",
@@ -69,6 +75,31 @@ JOB_LIST = {
         "offset": {"type": "integer"},
     },
 }
+_LINK_MODE = {"enum": list(MODES), "description": "whether who has the link may edit a copy, or view only"}
+DESIGN = {
+    "type": "object",
+    "required": ["id", "name", "revision", "changed", "bytes"],
+    "properties": {
+        "id": {"type": "string"},
+        "name": {"type": "string"},
+        "revision": {"type": "integer", "minimum": 1},
+        "changed": {"type": "number", "description": "time [s since 1970]"},
+        "bytes": {"type": "integer"},
+    },
+}
+DESIGN_LIST = {"type": "object", "required": ["designs"], "properties": {"designs": {"type": "array", "items": DESIGN}}}
+LINK = {
+    "type": "object",
+    "required": ["id", "mode", "created"],
+    "properties": {
+        "id": {"type": "string"},
+        "mode": _LINK_MODE,
+        "created": {"type": "number", "description": "time [s since 1970]"},
+        "token": {"type": "string", "description": "secret of a new link, which is not shown again"},
+    },
+}
+LINK_LIST = {"type": "object", "required": ["links"], "properties": {"links": {"type": "array", "items": LINK}}}
+LINK_REQUEST = {"type": "object", "required": ["mode"], "properties": {"mode": _LINK_MODE}}
 INDICES = {"type": "array", "items": {"type": "integer", "minimum": 0}}
 PROBLEM = {
     "type": "object",

@@ -14,9 +14,11 @@ from typing import Union
 
 from ...errors import FileError
 from .blobs import blob_name
+from .store import DESIGN
 from .store import INLINE
 from .store import REQUEST
 from .store import RESULT
+from .store import design_blob
 from .store import locked
 from .store import siblings
 
@@ -157,7 +159,9 @@ def _check(base: sqlite3.Connection) -> None:
 
 
 def _sizes(base: sqlite3.Connection) -> dict[str, int]:
-    """Return the sizes of large requests and results by the names of their files."""
+    """Return the sizes of large requests, results and designs by the names of their files."""
     requests = base.execute("SELECT id, bytes FROM requests JOIN sizes USING (id) WHERE bytes > ?", (INLINE,)).fetchall()
     results = base.execute("SELECT id, size FROM results JOIN jobs USING (id) WHERE size > ?", (INLINE,)).fetchall()
-    return {blob_name(kind, id): size for kind, rows in ((REQUEST, requests), (RESULT, results)) for id, size in rows}
+    designs = base.execute("SELECT id, revision, bytes FROM designs WHERE bytes > ?", (INLINE,)).fetchall()
+    kept = [(design_blob(id, revision), size) for id, revision, size in designs]
+    return {blob_name(kind, id): size for kind, rows in ((REQUEST, requests), (RESULT, results), (DESIGN, kept)) for id, size in rows}

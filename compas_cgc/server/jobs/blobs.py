@@ -10,10 +10,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 from typing import Optional
 
-__all__ = ["Blobs", "blob_name"]
+__all__ = ["Blobs", "blob_name", "pieces"]
 
+PIECE = 2**20  # bytes
 _OWN = secrets.token_hex(8)  # begins the names of files of this process that belong to no job yet
 
 
@@ -105,3 +107,8 @@ class Blobs:
 def blob_name(kind: str, id: str) -> str:
     """Return the name of the file of content."""
     return f"{hashlib.sha256(id.encode()).hexdigest()[:40]}.{kind}"
+
+
+def pieces(stream: BinaryIO) -> Iterable[bytes]:
+    """Yield the content of a stream in pieces."""
+    return iter(lambda: stream.read(PIECE), b"")

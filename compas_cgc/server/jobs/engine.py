@@ -34,7 +34,7 @@ from ..errors import NotFound
 from ..errors import ServerStopping
 from ..errors import Unprocessable
 from ..limits import Limits
-from ..uploads import pieces
+from .blobs import pieces
 from .calls import Calls
 from .outcome import CANCELLED
 from .outcome import Outcome

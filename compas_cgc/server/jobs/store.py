@@ -23,10 +23,10 @@ from ...errors import FileError
 from ..errors import Gone
 from .blobs import Blobs
 
-__all__ = ["INLINE", "REQUEST", "RESULT", "Job", "Staged", "Store", "locked", "owned_id", "siblings"]
+__all__ = ["DESIGN", "INLINE", "REQUEST", "RESULT", "Job", "Staged", "Store", "design_blob", "locked", "owned_id", "siblings"]
 
 INLINE = 2**16  # bytes up to which content is kept in the tables; larger content is in files
-REQUEST, RESULT = "request", "result"
+REQUEST, RESULT, DESIGN = "request", "result", "design"
 log = logging.getLogger(__name__)
 
 _TABLES = """
@@ -37,6 +37,10 @@ CREATE TABLE IF NOT EXISTS jobs (
 CREATE TABLE IF NOT EXISTS requests (id TEXT PRIMARY KEY, kind TEXT NOT NULL, options TEXT NOT NULL, body BLOB NOT NULL);
 CREATE TABLE IF NOT EXISTS results (id TEXT PRIMARY KEY, content BLOB NOT NULL);
 CREATE TABLE IF NOT EXISTS sizes (id TEXT PRIMARY KEY, bytes INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS designs (
+    id TEXT PRIMARY KEY, name TEXT NOT NULL, revision INTEGER NOT NULL, changed REAL NOT NULL,
+    bytes INTEGER NOT NULL, content BLOB NOT NULL);
+CREATE TABLE IF NOT EXISTS links (digest TEXT PRIMARY KEY, design TEXT NOT NULL, mode TEXT NOT NULL, created REAL NOT NULL);
 CREATE TABLE IF NOT EXISTS probe (id INTEGER PRIMARY KEY, moment REAL NOT NULL);
 """
 
@@ -75,6 +79,11 @@ class Job(NamedTuple):
 def owned_id(owner: str, id: str) -> str:
     """Return the id under which a job of an owner is stored; two owners may have jobs of the same id."""
     return f"{owner}:{id}" if owner else id
+
+
+def design_blob(id: str, revision: int) -> str:
+    """Return the id under which a revision of a design is stored in a file."""
+    return f"{id}#{revision}"
 
 
 class Staged(NamedTuple):
@@ -130,7 +139,8 @@ class Store:
             for kind, table in ((REQUEST, "requests"), (RESULT, "results"))
             for (id,) in self._base.execute(f"SELECT id FROM {table}")
         ]
-        self.blobs.keep_only(known)
+        designs = self._base.execute("SELECT id, revision FROM designs").fetchall()
+        self.blobs.keep_only([*known, *((DESIGN, design_blob(id, revision)) for id, revision in designs)])
 
     def _connect(self) -> None:
         path = ":memory:" if self._path is None else str(self._path)
@@ -159,7 +169,7 @@ class Store:
         self._path.touch(mode=0o600)
 
     @contextmanager
-    def _writing(self) -> Iterator[sqlite3.Connection]:
+    def writing(self) -> Iterator[sqlite3.Connection]:
         """Write within a transaction; after a failure, such as a full disk, the next one finds a working connection."""
         with self._lock:
             try:
@@ -179,7 +189,7 @@ class Store:
     def check(self) -> Optional[str]:
         """Write something; return what is wrong as a sentence, None if nothing is."""
         try:
-            with self._writing() as base:
+            with self.writing() as base:
                 base.execute("INSERT OR REPLACE INTO probe VALUES (0, ?)", (time.time(),))
         except (sqlite3.Error, OSError) as error:
             return f"the store cannot be written to ({error})"
@@ -223,16 +233,17 @@ class Store:
             with self.blobs.staged(chain([first], pieces)) as (name, size):
                 yield Staged(size, b"", name)
 
-    def _place(self, content: Staged, kind: str, id: str) -> None:
+    def place(self, content: Staged, kind: str, id: str) -> None:
+        """Make staged content in a file that of a kind and id."""
         if content.name is not None:
             self.blobs.place(content.name, kind, id)
 
     def add(self, job: Job, kind: str, options: dict, body: Union[bytes, Staged]) -> None:
         """Store a new job with its request."""
         with self.staged(body) as content, self._lock:
-            self._place(content, REQUEST, job.id)
+            self.place(content, REQUEST, job.id)
             try:
-                with self._writing() as base:
+                with self.writing() as base:
                     marks = ",".join("?" * len(Job._fields))
                     base.execute(f"INSERT INTO jobs VALUES ({marks})", (*job[:9], json.dumps(job.progress), *job[10:]))
                     base.execute("INSERT INTO requests VALUES (?,?,?,?)", (job.id, kind, json.dumps(options), content.inline))
@@ -242,11 +253,13 @@ class Store:
                 raise
 
     def owner_bytes(self, owner: str) -> int:
-        """Return the bytes of the requests and results of an owner."""
+        """Return the bytes of the requests, results and designs of an owner."""
         where, values = ("id GLOB ?", (f"{owner}:*",)) if owner else ("id NOT GLOB '*:*'", ())
         with self._lock:
             row = self._base.execute(
-                f"SELECT (SELECT total(bytes) FROM sizes WHERE {where}) + (SELECT total(size) FROM jobs WHERE {where})", (*values, *values)
+                f"SELECT (SELECT total(bytes) FROM sizes WHERE {where}) + (SELECT total(size) FROM jobs WHERE {where})"
+                f" + (SELECT total(bytes) FROM designs WHERE {where})",
+                (*values, *values, *values),
             ).fetchone()
         return int(row[0])
 
@@ -321,8 +334,8 @@ class Store:
         """Store the outcome of a job, unless the job was deleted meanwhile."""
         with self.staged(result or b"") as content, self._lock:
             size = None if result is None else content.size
-            self._place(content, RESULT, id)
-            with self._writing() as base:
+            self.place(content, RESULT, id)
+            with self.writing() as base:
                 done = base.execute(
                     "UPDATE jobs SET state = ?, finished = ?, message = ?, progress = ?, size = ? WHERE id = ?",
                     (state, time.time(), message, json.dumps(progress), size, id),
@@ -337,10 +350,10 @@ class Store:
 
     def add_result(self, id: str, result: bytes) -> None:
         """Store the late result of a cancelled or failed job, unless the job was deleted meanwhile or already has a result."""
-        with self.staged(result) as content, self._writing() as base:
+        with self.staged(result) as content, self.writing() as base:
             query = "UPDATE jobs SET size = ? WHERE id = ? AND size IS NULL AND state IN ('cancelled', 'failed')"
             if base.execute(query, (content.size, id)).rowcount:
-                self._place(content, RESULT, id)
+                self.place(content, RESULT, id)
                 base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, content.inline))
 
     def delete(self, id: str) -> None:
@@ -357,7 +370,7 @@ class Store:
 
     def _delete(self, id: str) -> None:
         with self._lock:
-            with self._writing() as base:
+            with self.writing() as base:
                 for table in ("jobs", "requests", "results", "sizes"):
                     base.execute(f"DELETE FROM {table} WHERE id = ?", (id,))
             for kind in (REQUEST, RESULT):
@@ -375,7 +388,7 @@ class Store:
         """Delete the oldest results beyond a number or total size, in all and of each owner, and finished jobs beyond a number or age."""
         gone = []
         with self._lock:
-            with self._writing() as base:
+            with self.writing() as base:
                 # `keep` comes first, as the clock may have been set back since the other jobs finished.
                 newest = "SELECT id, size FROM jobs WHERE size IS NOT NULL ORDER BY id = ? DESC, finished DESC, rowid DESC"
                 total = 0
@@ -407,13 +420,16 @@ class Store:
             if self._owner is not None:
                 self._owner.close()
 
-    def _rows(self, query: str, *values: object) -> list[Job]:
+    def rows(self, query: str, *values: object) -> list[tuple]:
+        """Return the rows that a query finds."""
         with self._lock:
-            rows = self._base.execute(query, values).fetchall()
-        return [Job(*row)._replace(progress=json.loads(row[9] or "{}")) for row in rows]
+            return self._base.execute(query, values).fetchall()
+
+    def _rows(self, query: str, *values: object) -> list[Job]:
+        return [Job(*row)._replace(progress=json.loads(row[9] or "{}")) for row in self.rows(query, *values)]
 
     def _change(self, query: str, *values: object) -> None:
-        with self._writing() as base:
+        with self.writing() as base:
             base.execute(query, values)
 
 

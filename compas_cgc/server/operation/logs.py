@@ -86,17 +86,19 @@ def log_request(response: Response) -> float:
     """Log a request, add its id to the response, and return its duration [s]."""
     response.headers[HEADER] = request_id()
     seconds = time.perf_counter() - g.get("started", time.perf_counter())
+    # Tokens of links are secrets.
+    path = request.url_rule.rule if request.url_rule is not None and "token" in (request.view_args or {}) else request.path
     fields = {
         "request": request_id(),
         "client": client_name(),
         "method": request.method,
-        "path": request.path,
+        "path": path,
         "status": response.status_code,
         "seconds": round(seconds, 4),
         "bytes_in": request.content_length or 0,
         "bytes_out": response.content_length,
     }
-    requests.info("%s %s %s: %d", fields["client"], request.method, request.path, response.status_code, extra={"fields": fields})
+    requests.info("%s %s %s: %d", fields["client"], request.method, path, response.status_code, extra={"fields": fields})
     return seconds
 
 

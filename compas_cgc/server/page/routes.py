@@ -20,10 +20,10 @@ from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
 from ..api.responses import respond
 from ..api.schemas import PLAN_KINDS
+from ..api.uploads import body_held
 from ..errors import BadRequest
 from ..errors import NotFound
 from ..errors import Unprocessable
-from ..uploads import body_held
 from .drawing import mesh_of_sketch
 from .drawing import read_sketch
 from .gallery import GALLERY

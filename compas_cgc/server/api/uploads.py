@@ -1,20 +1,16 @@
-"""Bodies of requests: read at once within the limit of all bodies in memory, or in pieces."""
+"""Bodies of requests, within the limit of all bodies in memory."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import BinaryIO
 
 from flask import current_app
 from flask import request
 
-from .security import client_name
+from ..security import client_name
 
-__all__ = ["body_held", "pieces"]
-
-PIECE = 2**20  # bytes
+__all__ = ["body_held"]
 
 
 @contextmanager
@@ -33,8 +29,3 @@ def body_held() -> Iterator[bytes]:
         # The stream checks the length, but holds two copies while it reads everything.
         _ = request.stream
         yield request.environ["wsgi.input"].read(length)
-
-
-def pieces(stream: BinaryIO) -> Iterable[bytes]:
-    """Yield the content of a stream in pieces."""
-    return iter(lambda: stream.read(PIECE), b"")
