@@ -405,8 +405,19 @@ class CGCProblem:
         )
 
     def flipped(self) -> CGCProblem:
-        """Return the problem with all faces flipped; laws then refer to the new normals."""
+        """Return the problem with all faces flipped, so that its surfaces go to the other side; laws then refer to the new normals."""
         return replace(self, faces=self.faces[:, ::-1])
+
+    def with_opposite_normals(self) -> CGCProblem:
+        """Return the problem of the same surfaces with all faces flipped; H of its laws changes sign.
+
+        Examples
+        --------
+        >>> problem = CGCProblem([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).with_laws("H = 0.1")
+        >>> str(problem.with_opposite_normals().laws[0]), str(problem.flipped().laws[0])
+        ('H = -0.1', 'H = 0.1')
+        """
+        return replace(self.flipped(), laws={region: law.scaled(-1.0) for region, law in self.laws.items()})
 
     # ------------------------------------------------------------------
     # Parts

@@ -86,7 +86,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     for choice in choose(problem, settings):
         posed = problem
         if below and choice.method != "bending":
-            posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
+            posed, choice = problem.with_opposite_normals(), choice._replace(reason=f"{choice.reason}; {BELOW}")
         own = _Attempt(choice, settings, callback, allowed)
         solution = own.solved(posed, problem)
         judged = solution.verdict
@@ -143,7 +143,7 @@ def finished(
     if then is None or solution.status != "converged":
         return solution
     found = problem.with_vertices(solution.vertices)
-    found = found.flipped() if is_drawn_below(found) else found
+    found = found.with_opposite_normals() if is_drawn_below(found) else found
     between = run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback)
     between = _judged(between, problem, callback)
     if between.verdict is None or not between.verdict.fair:

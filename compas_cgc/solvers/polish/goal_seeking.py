@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 from typing import Optional
@@ -89,8 +88,7 @@ class _Seeker:
         self.size = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()))
         drawn = problem if has_constants(problem) else guessed(problem)
         drawn = replace(drawn, goals=())
-        self.below = _is_against_normals(problem)
-        self.problem = replace(drawn.flipped(), laws=_mirrored(drawn.laws)) if self.below else drawn
+        self.problem, self.below = drawn, _is_against_normals(problem)
         self.numbers = unknown_regions(problem)
         self.steps, self.seconds = 0, 0.0
 
@@ -112,8 +110,7 @@ class _Seeker:
 
     def _at(self, logs: FloatArray, start: Optional[FloatArray]) -> _Here:
         """Return the surface for logarithms of the constants (k,), from another (n, 3) if there is one."""
-        posed = self._posed(logs)
-        solution = polish(posed, settings=self.settings, start=start, callback=self.callback)
+        solution = polish(self._rising(logs), settings=self.settings, start=start, callback=self.callback)
         self.steps, self.seconds = self.steps + solution.iterations, self.seconds + solution.seconds
         if start is None and solution.branches:
             # The goals say which of several branches is sought, such as the dome or the bowl.
@@ -135,7 +132,7 @@ class _Seeker:
 
     def _change(self, here: _Here) -> tuple[FloatArray, list[FloatArray]]:
         """Return the changes of the logarithms (k,) by Newton's method, zero where goals do not depend on them, and the moves (n, 3)."""
-        posed, V = self._posed(here.logs), here.solution.vertices
+        posed, V = self._rising(here.logs), here.solution.vertices
         moves = moves_by_constants(posed, self.settings, V, self.numbers)
         by_log = [moves[number] * constant for number, (_, constant) in zip(self.numbers, self._constants(posed))]
         J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
@@ -177,6 +174,11 @@ class _Seeker:
                 targets[self.problem.region_vertices(number)] *= math.exp(log)
         return replace(self.problem, targets=targets, laws=laws)
 
+    def _rising(self, logs: FloatArray) -> CGCProblem:
+        """Return the problem with normals on the side to which the surface is to rise."""
+        posed = self._posed(logs)
+        return posed.with_opposite_normals() if self.below else posed
+
     def _constants(self, posed: CGCProblem) -> list[tuple[str, float]]:
         """Return the names and values of the unknown constants."""
         found = []
@@ -190,10 +192,9 @@ class _Seeker:
 
     def _ended(self, here: _Here, status: str, message: str) -> Solution:
         posed = self._posed(here.logs)
-        laws = _mirrored(posed.laws) if self.below else posed.laws
         judged = here.solution.verdict if status == "converged" else None
         return here.solution._replace(
-            status=status, message=message, iterations=self.steps, seconds=self.seconds, targets=posed.targets, laws=laws, verdict=judged
+            status=status, message=message, iterations=self.steps, seconds=self.seconds, targets=posed.targets, laws=posed.laws, verdict=judged
         )
 
     def _names(self) -> str:
@@ -225,11 +226,6 @@ class _Seeker:
 def _constant(law: Law) -> float:
     assert law.constant is not None, "laws without a constant have been refused"
     return law.constant
-
-
-def _mirrored(laws: Mapping[int, Law]) -> dict[int, Law]:
-    """Return the laws of the same surfaces with the opposite normals, by region."""
-    return {region: law.scaled(-1.0) for region, law in laws.items()}
 
 
 def _is_fair(here: _Here) -> bool:

@@ -85,6 +85,7 @@ def test_a_constant_keeps_its_sign_and_its_side():
     mesh.set_law("H = -0.05")
     result = solve(mesh, goals=[Rise(-0.8)], unknown="all")
     assert _is_met(result) and _constant(result, 0) < 0 and result.vertices[:, 2].min() == pytest.approx(-0.8, abs=1e-9)
+    assert f"H = {_constant(result, 0):.6g} was found" in result.message
     (errors,) = law_errors(result.problem)
     assert np.median(errors.relative) < 1e-2  # H of the surface itself has this sign
     risen = solve(mesh, goals=[Rise(0.8)], unknown="all")
