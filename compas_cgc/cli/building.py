@@ -20,6 +20,7 @@ from ..io.formats import listed
 from .arguments import add_input
 from .arguments import add_reading
 from .arguments import read_input
+from .arguments import with_laws
 from .arguments import with_targets
 from .console import Parts
 from .console import printer
@@ -46,6 +47,13 @@ def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = 
         default=[],
         metavar="[REGION=]K",
         help="K for which the surface was solved, if the file does not contain it; repeatable",
+    )
+    parser.add_argument(
+        "--law",
+        action="append",
+        default=[],
+        metavar="[REGION=]LAW",
+        help="law for which the surface was solved, such as minimal or 'H = 0.1', if the file does not contain it; repeatable",
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     add_reading(parser)
@@ -130,7 +138,7 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
     echo = printer(arguments.quiet)
     for note in read.notes:
         echo(f"{arguments.input}: {note}")
-    return with_targets(read.checked(), arguments.target)
+    return with_laws(with_targets(read.checked(), arguments.target), arguments.law)
 
 
 def build_and_write(

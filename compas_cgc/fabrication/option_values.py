@@ -16,6 +16,7 @@ __all__ = [
     "ALONG",
     "DRAWING_UNITS",
     "LARGEST",
+    "NET_KINDS",
     "Sheet",
     "number",
     "paths",
@@ -34,6 +35,7 @@ __all__ = [
 LARGEST = 1e9
 LARGEST_STRAIN = 0.05  # metals and timber break or buckle long before; a larger number is meant in percent
 ALONG = ("plan", "curvature")  # coordinates that a grid of panels may follow
+NET_KINDS = ("curvature", "asymptotic")  # curves that a net may be made of in all regions
 # Units of files by their usual abbreviation.
 DRAWING_UNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters", "in": "Inches", "ft": "Feet"}
 _UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}

@@ -349,7 +349,7 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             "net",
-            "Generate a net of curves on a surface with constant K in each region.",
+            "Generate a net of curves on a surface with constant K or another law in each region.",
             (
                 BuildOption(
                     "spacing",
@@ -370,6 +370,13 @@ TASKS: dict[str, Task] = {
                     },
                     "X,Y,Z",
                     many=True,
+                ),
+                BuildOption(
+                    "kind",
+                    "curvature or asymptotic curves in all regions (default: by K and laws; asymptotic where K < 0, rulings where K = 0)",
+                    values.text,
+                    {"enum": list(values.NET_KINDS)},
+                    "|".join(values.NET_KINDS),
                 ),
                 BuildOption(
                     "stop",
@@ -417,7 +424,7 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             "quads",
-            "Cover regions with K > 0 by plane quads along lines of curvature, with beams along their sides.",
+            "Cover regions with K > 0 or constant H by plane quads along lines of curvature, with beams along their sides.",
             (
                 BuildOption(
                     "spacing",

@@ -105,6 +105,11 @@ class Law:
         """Return the law with another constant."""
         raise ValueError(f"the law {self} has no constant")
 
+    @property
+    def is_isothermic(self) -> bool:
+        """Whether lines of curvature of all its surfaces can be spaced so that they form squares, as for constant H."""
+        return False
+
     def discriminant(self, H: FloatArray, K: FloatArray) -> FloatArray:
         r"""Return :math:`f_H^2 + 4 f_H f_K H + 4 f_K^2 K`, whose sign is the type: elliptic > 0, parabolic = 0, hyperbolic < 0.
 
@@ -168,6 +173,11 @@ class _Linear(Law):
     @property
     def constant(self) -> float:
         return cast(float, self.coefficients[2])
+
+    @property
+    def is_isothermic(self) -> bool:
+        # With b = 0 the Hopf differential is holomorphic, so that squares have sides in proportion to 1 / sqrt(k1 - k2).
+        return np.ndim(self.coefficients[1]) == 0 and self.coefficients[1] == 0.0
 
     @property
     def type(self) -> str:

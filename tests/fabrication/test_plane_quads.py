@@ -17,6 +17,8 @@ from compas_cgc.fabrication.quads.extraction import Polygons
 from compas_cgc.fabrication.quads.merging import merged
 from compas_cgc.fabrication.quads.planarity import _diagonals
 from compas_cgc.io import write
+from compas_cgc.model.problem import CGCProblem
+from tests.support.exact_surfaces import SURFACES
 from tests.support.shapes import grid
 
 
@@ -98,6 +100,47 @@ def test_faces_cover_the_surface_and_lie_on_it(quads):
 def test_a_cushion_has_four_nodes_of_five_sides(quads):
     assert len(quads.irregular) == 4
     assert (np.bincount(quads.edges.ravel())[quads.irregular] == 5).all()
+
+
+@pytest.mark.parametrize(("name", "irregular"), [("cylinder", True), ("unduloid", False), ("catenoid", False), ("Enneper", True)])
+def test_on_surfaces_of_constant_mean_curvature_quads_are_plane_squares(name, irregular):
+    surface = SURFACES[name]()
+    V, F, _ = surface.patch(24, irregular)
+    result = solve(CGCProblem(V, F).with_supports("boundary").with_laws({0: surface.law}))
+    size = np.linalg.norm(np.ptp(V, axis=0))
+    quads = plane_quads(result, size / 18)
+    widths = quads.aspects[np.isfinite(quads.aspects)] - 1.0
+    assert len(widths) > 80 and np.median(widths) < 0.01 and widths.max() < 0.03
+    inner = [quads.vertices[face] for face, aspect in zip(quads.faces, quads.aspects) if np.isfinite(aspect)]
+    diagonals = np.array([(face[2] - face[0], face[3] - face[1]) for face in inner])
+    diagonals /= np.linalg.norm(diagonals, axis=2, keepdims=True)
+    assert np.abs(np.einsum("fi,fi->f", *diagonals.transpose(1, 0, 2))).max() < 0.04  # and the widths enclose right angles
+    assert quads.planarity.max() < 1e-8 * size and quads.off.max() < 2e-3 * size
+    assert quads.dead_ends == 0 and not len(quads.irregular)
+    # Squares cover as much area as said by the spacing.
+    areas = [np.linalg.norm(np.cross(face[2] - face[0], face[3] - face[1])) / 2 for face in inner]
+    assert np.sqrt(np.mean(areas)) == pytest.approx(size / 18, rel=0.15)
+    assert "squares inside regions of constant H" in str(quads)
+
+
+@pytest.mark.nightly
+def test_squares_of_a_cushion_close_around_its_umbilic_points():
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=24, dy=10.0, ny=16)
+    mesh.set_supports("boundary")
+    mesh.set_law("H = 0.06")
+    quads = plane_quads(solve(mesh), 0.75)
+    assert quads.dead_ends == 0 and quads.planarity.max() < 1e-6 and len(quads.irregular) == 4
+    widths = quads.aspects[np.isfinite(quads.aspects)] - 1.0
+    # Lines between the umbilic points close only where their number is whole, which costs some of the proportions.
+    assert np.median(widths) < 0.1 and np.quantile(widths, 0.9) < 0.3
+
+
+def test_a_plane_has_no_squares_of_its_own():
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=8)
+    mesh.set_supports("boundary")
+    mesh.set_law("minimal")
+    with pytest.raises(CGCError, match="is a plane or a sphere, whose lines of curvature are undetermined"):
+        plane_quads(solve(mesh))
 
 
 def test_only_regions_with_positive_K_get_quads():

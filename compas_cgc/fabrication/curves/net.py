@@ -23,6 +23,7 @@ from ...model.given import refuse_other_units
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ..materials import metres_per_unit
+from ..option_values import NET_KINDS
 from ..shape_operators import DEGREE
 from ..shape_operators import shape_operators
 from ..solved import chosen_regions
@@ -46,7 +47,7 @@ from .trace import direction_field
 
 __all__ = ["CurveNet", "NetCurve", "curve_net", "plural", "usual_spacing"]
 
-KINDS = {"curvature": CURVATURE, "asymptotic": ASYMPTOTIC}
+KINDS = dict(zip(NET_KINDS, (CURVATURE, ASYMPTOTIC)))
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
 DEFAULT_SPACING = 1.0 / 12.0  # relative to the size of a region
 DEFAULT_STOP = 0.5  # least distance of parallel lines of curvature relative to the spacing

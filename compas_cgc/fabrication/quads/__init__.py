@@ -1,4 +1,4 @@
-"""Plane quads along lines of curvature where K > 0: layout, planarisation, faces and beams."""
+"""Plane quads along lines of curvature where K > 0, and squares where H is constant: layout, planarisation, faces and beams."""
 
 from __future__ import annotations
 

@@ -33,12 +33,12 @@ class CrossField(NamedTuple):
     indices: IntArray  # (n,) index of the cross field in quarters of a turn, 0 where it is regular; 0 on the rim
 
 
-def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, K: float, length: float) -> CrossField:
+def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, square: float, length: float) -> CrossField:
     r"""Return the smoothest crosses that follow distinct principal directions and, where these are alike, their surroundings.
 
     A cross at the angle :math:`\theta` is the complex number :math:`z = e^{4 i \theta}`. The field minimises
 
-    .. math:: \int |\nabla z|^2 + \frac{w}{\ell^2} |z - z_0|^2, \qquad w = \min(d^2 / K, 1),
+    .. math:: \int |\nabla z|^2 + \frac{w}{\ell^2} |z - z_0|^2, \qquad w = \min(d^2 / k^2, 1),
 
     where :math:`z_0` are the principal directions and :math:`d` half the difference of the principal curvatures.
     Umbilic points have w = 0, so that the field there is harmonic, with simple zeros.
@@ -49,8 +49,8 @@ def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, K: floa
         Triangles of a region.
     operators
         (n, 3, 3) shape operators [1/L].
-    K
-        Gaussian curvature of the region, positive [1/L²].
+    square
+        Square of the typical curvature k of the region, such as K > 0 [1/L²].
     length
         Length over which directions are smoothed [L].
 
@@ -72,7 +72,7 @@ def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, K: floa
     p, q, r = (np.einsum("fi,fij,fj->f", one, S, other) for one, other in ((x, x), (x, y), (y, y)))
     half = 0.5 * (p - r) + 1j * q
     apart = np.abs(half) ** 2
-    weight = area * np.minimum(apart / K, 1.0) / length**2
+    weight = area * np.minimum(apart / square, 1.0) / length**2
     aim = weight * np.where(apart > 0.0, half**2 / np.maximum(apart, np.finfo(float).tiny), 0.0)
 
     ahead = np.linalg.norm(vertices[rim[:, 1]] - vertices[rim[:, 0]], axis=1) * RIM_WEIGHT / length

@@ -1,7 +1,8 @@
-"""Plane quads along the lines of curvature of regions with K > 0."""
+"""Plane quads along the lines of curvature of regions with K > 0, and squares where H is constant."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -10,6 +11,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete import edge_faces
+from ...discrete import face_areas
 from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
@@ -47,6 +49,7 @@ FINENESS = 0.25  # of the spacing, below which the edges of the mesh are divided
 MAX_DIVISIONS = 3
 SHORTEST = 0.25  # of the spacing, side at the rim below which lines share a vertex of the rim
 STRAIGHT = np.deg2rad(150.0)  # angle at a vertex with three sides from which one of them is a line that ends there
+UMBILIC_RATIO = 1e-3  # half difference of the principal curvatures times the size below which a region counts as a sphere or plane
 SHORT = 100.0  # mm, beams below which are named
 DEPTH = 0.1  # of the spacing, default depth of beams
 
@@ -117,6 +120,16 @@ class PlaneQuads:
         return np.flatnonzero(~self.rim & (degree != 4))
 
     @property
+    def aspects(self) -> FloatArray:
+        """Ratio of the widths of a face along both directions, at least 1 (f,); NaN without four corners and for faces at the rim."""
+        inner = np.array([len(face) == 4 and not self.rim[face].any() for face in self.faces])
+        found = np.full(len(self.faces), np.nan)
+        a, b, c, d = self.vertices[[face for face, own in zip(self.faces, inner) if own]].reshape(-1, 4, 3).transpose(1, 0, 2)
+        ratio = np.linalg.norm(b + c - a - d, axis=1) / np.linalg.norm(c + d - a - b, axis=1)
+        found[inner] = np.maximum(ratio, 1.0 / ratio)
+        return found
+
+    @property
     def dead_ends(self) -> int:
         """Number of lines that end inside: at corners with two sides, or with three of which two are in line."""
         ends = 0
@@ -145,6 +158,11 @@ class PlaneQuads:
             f"faces offset by {mm * self.depth:.4g} mm miss their nodes by {mm * np.median(self.offset_error):.2g} mm (median), "
             f"{mm * self.offset_error.max():.2g} mm at most",
         ]
+        square = np.array([number in self.problem.laws for number in self.region.tolist()])
+        aspects = self.aspects[square & np.isfinite(self.aspects)]
+        if len(aspects):
+            middle, most = 100.0 * (np.median(aspects) - 1.0), 100.0 * (aspects.max() - 1.0)
+            lines.append(f"squares inside regions of constant H: widths differ by {middle:.2g} % (median), {most:.2g} % at most")
         short = np.flatnonzero(sides < SHORT)
         if len(short):
             middle = self.vertices[self.edges[short[:3]]].mean(axis=1)
@@ -171,21 +189,25 @@ def plane_quads(
     regions: Optional[Sequence[int]] = None,
     rough: bool = False,
 ) -> PlaneQuads:
-    """Cover regions with K > 0 by plane quads along lines of curvature, without lines that end inside.
+    """Cover regions with K > 0 or constant H by plane quads along lines of curvature, without lines that end inside.
 
     The lines are the integer lines of a seamless parametrisation. Its singularities lie where the principal curvatures are equal, or,
     where the surface is nearly a sphere, where the smoothest crosses need them. Corners are moved until all faces are plane.
 
+    Where the mean curvature is constant, as on cushions and soap films, quads are squares: their sides are in proportion to
+    ``1 / sqrt(k1 - k2)``, so that they are larger where the principal curvatures k1, k2 are alike. They end at the rim where it cuts
+    them, whereas lines of regions with K > 0 follow a rim that is a line of curvature.
+
     Parameters
     ----------
     surface
-        Solved result, mesh or problem with one target K per region.
+        Solved result, mesh or problem with one target K or another law per region.
     spacing
-        Distance between lines [L]. Default: 1/12 of the size of the smallest region.
+        Distance between lines, the root mean square of the sides of squares [L]. Default: 1/12 of the size of the smallest region.
     depth
         Depth of the beams [L]. Default: 0.1 of the spacing.
     regions
-        Numbers of regions. Default: all with K > 0.
+        Numbers of regions. Default: all with K > 0 or constant H.
     rough
         Whether to accept a surface with the verdict rough, see :class:`compas_cgc.analysis.Verdict`.
 
@@ -196,7 +218,7 @@ def plane_quads(
     Raises
     ------
     CGCError
-        If the surface is rough, no region has K > 0, or the spacing is too large for the singularities of a region.
+        If the surface is rough, no region has K > 0 or constant H, or the spacing is too large for the singularities of a region.
 
     Examples
     --------
@@ -212,21 +234,23 @@ def plane_quads(
     targets, label = problem.region_targets(), problem.regions()
     notes, layouts = [], {}
     chosen = chosen_regions(problem, regions)
-    convex = [region for region in chosen if (targets[region] or 0.0) > 0.0]
-    notes += [f"region {region} does not have one K > 0 and gets no quads" for region in chosen if region not in convex]
-    if not convex:
-        raise CGCError("plane quads need a region with K > 0; use a net of curves instead")
-    step = spacing or min(usual_spacing(problem, region) for region in convex)
-    for region in convex:
+    square = [region for region in chosen if region in problem.laws and problem.laws[region].is_isothermic]
+    covered = [region for region in chosen if region in square or (targets[region] or 0.0) > 0.0]
+    notes += [f"region {region} has neither one K > 0 nor constant H and gets no quads" for region in chosen if region not in covered]
+    if not covered:
+        raise CGCError("plane quads need a region with K > 0 or constant H; use a net of curves instead")
+    step = spacing or min(usual_spacing(problem, region) for region in covered)
+    for region in covered:
         own = problem.faces[label == region]
         size = float(np.linalg.norm(np.ptp(problem.vertices[own].reshape(-1, 3), axis=0)))
         refuse_other_units("the spacing", step, size, problem.drawing.units)
         check_spacing(size, step, region)
-        layouts[region] = _laid_out(problem.vertices, own, float(targets[region] or 0.0), step, region)
+        layouts[region] = _laid_out(problem.vertices, own, None if region in square else targets[region], step, region)
     return _joined(problem, step, depth or DEPTH * step, layouts, tuple(notes))
 
 
-def _laid_out(vertices: Vertices, faces: Faces, K: float, spacing: float, region: int) -> _Layout:
+def _laid_out(vertices: Vertices, faces: Faces, K: Optional[float], spacing: float, region: int) -> _Layout:
+    """Return the layout of a region of K > 0, or of squares where there is no K."""
     used, corner = np.unique(faces, return_inverse=True)
     V, F = vertices[used], corner.reshape(-1, 3)
     S = shape_operators(V, F).operators
@@ -238,11 +262,17 @@ def _laid_out(vertices: Vertices, faces: Faces, K: float, spacing: float, region
         raise CGCError(f"region {region} is closed; plane quads need a rim")
     turns = [np.flatnonzero(corners_of(fine[loop])) for loop in loops]
     kinks = np.concatenate([loop[own] for loop, own in zip(loops, turns)])
-    sides = [side for loop, own in zip(loops, turns) for side in _sides(loop, own)]
+    if K is None:
+        # Lines that follow the rim would change the proportions of squares.
+        density, typical = _density_of_squares(fine, triangles, S, region)
+        sides = []
+    else:
+        density, typical = np.ones(len(triangles)), K
+        sides = [side for loop, own in zip(loops, turns) for side in _sides(loop, own)]
     polygons = None
     for length in SMOOTHING:
-        field = cross_field(fine, triangles, S, K, length * spacing)
-        found = extracted(fine, triangles, parametrised(fine, triangles, field, spacing, sides), spacing, kinks)
+        field = cross_field(fine, triangles, S, typical, length * spacing)
+        found = extracted(fine, triangles, parametrised(fine, triangles, field, spacing, sides, density), spacing, kinks)
         if all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
             polygons = merged(found, SHORTEST * spacing)
             break
@@ -255,6 +285,18 @@ def _laid_out(vertices: Vertices, faces: Faces, K: float, spacing: float, region
         if len(polygons.vertices) == count:
             break
     return _Layout(polygons, np.linalg.norm(points - nearest_on_mesh(points, V, F)[0], axis=1))
+
+
+def _density_of_squares(vertices: Vertices, faces: Faces, operators: FloatArray, region: int) -> tuple[FloatArray, float]:
+    """Return the lines per spacing in faces (m,) for squares, and the mean square of half the difference of the curvatures [1/L²]."""
+    S = operators[faces].mean(axis=1)
+    mean = 0.5 * np.trace(S, axis1=1, axis2=2)
+    apart = np.sqrt(np.maximum(0.5 * np.einsum("fij,fij->f", S, S) - mean**2, 0.0))
+    area = face_areas(vertices, faces)
+    typical = float(area @ apart) / float(area.sum())
+    if typical * math.sqrt(float(area.sum())) < UMBILIC_RATIO:
+        raise CGCError(f"region {region} is a plane or a sphere, whose lines of curvature are undetermined; any quads can be used")
+    return np.sqrt(apart / typical), float(area @ apart**2) / float(area.sum())
 
 
 def _sides(loop: IntArray, turns: IntArray) -> list[IntArray]:

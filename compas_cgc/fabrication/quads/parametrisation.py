@@ -41,16 +41,18 @@ class _Cut(NamedTuple):
     quarters: IntArray  # (s,) turns from the left to the right face, in quarters
 
 
-def parametrised(vertices: Vertices, faces: Faces, field: CrossField, spacing: float, sides: list[IntArray]) -> FloatArray:
+def parametrised(
+    vertices: Vertices, faces: Faces, field: CrossField, spacing: float, sides: list[IntArray], density: FloatArray
+) -> FloatArray:
     r"""Return coordinates at the corners of faces (m, 3, 2), in units of the spacing.
 
     The coordinates u, v minimise
 
-    .. math:: \int (\partial_X u - 1)^2 + (\partial_Y v - 1)^2 + c \, (\partial_Y u)^2 + c \, (\partial_X v)^2
+    .. math:: \int (\partial_X u - \rho)^2 + (\partial_Y v - \rho)^2 + c \, (\partial_Y u)^2 + c \, (\partial_X v)^2
 
-    for the directions X, Y of the crosses. Across the cuts that open the region they are turned by quarters and shifted by integers,
-    so that integer lines continue; singularities lie at integers, and sides of the rim along the crosses are integer lines. Integers are
-    fixed one by one, each time the one nearest to its value.
+    for the directions X, Y of the crosses and the density :math:`\rho` of the lines. Across the cuts that open the region they are
+    turned by quarters and shifted by integers, so that integer lines continue; singularities lie at integers, and sides of the rim along
+    the crosses are integer lines. Integers are fixed one by one, each time the one nearest to its value.
 
     Parameters
     ----------
@@ -61,7 +63,9 @@ def parametrised(vertices: Vertices, faces: Faces, field: CrossField, spacing: f
     spacing
         Distance between lines [L].
     sides
-        Paths of vertices along the rim between its kinks.
+        Paths of vertices along the rim between its kinks that become lines where they run along the crosses.
+    density
+        (m,) lines per spacing in the faces.
 
     References
     ----------
@@ -71,7 +75,7 @@ def parametrised(vertices: Vertices, faces: Faces, field: CrossField, spacing: f
     cut = _cut_open(faces, field, _cut_edges(vertices, faces, field, singular))
     n = cut.size
     stiff = np.ones(len(faces))
-    quadratic, linear = _energy(vertices / spacing, faces, field, cut, stiff)
+    quadratic, linear = _energy(vertices / spacing, faces, field, cut, stiff, density)
     rows = _seam_rows(faces, cut)
     singularities = [_unit(n, int(_copies_of(faces, cut, vertex)[0]), axis) for vertex in singular.tolist() for axis in (0, 1)]
     rim_rows, rims = _rim_rows(vertices, faces, field, cut, sides, spacing)
@@ -95,7 +99,7 @@ def parametrised(vertices: Vertices, faces: Faces, field: CrossField, spacing: f
         if not turned.any():
             break
         stiff *= np.where(near @ turned > 0, 2.0, 1.0)
-        quadratic, linear = _energy(vertices / spacing, faces, field, cut, stiff)
+        quadratic, linear = _energy(vertices / spacing, faces, field, cut, stiff, density)
         uv = _minimum(quadratic, linear, rows, values)
     nearby = np.round(uv)
     uv = np.where(np.abs(uv - nearby) < ROUNDED, nearby, uv)
@@ -167,7 +171,9 @@ def _cut_open(faces: Faces, field: CrossField, cut: Mask) -> _Cut:
     return _Cut(copies.reshape(m, 3), count, angles, field.edges[cut], quarters)
 
 
-def _energy(vertices: Vertices, faces: Faces, field: CrossField, cut: _Cut, stiff: FloatArray) -> tuple[sparse.csr_matrix, FloatArray]:
+def _energy(
+    vertices: Vertices, faces: Faces, field: CrossField, cut: _Cut, stiff: FloatArray, density: FloatArray
+) -> tuple[sparse.csr_matrix, FloatArray]:
     """Return the matrix (2n, 2n) and the right-hand side (2n,) of the quadratic energy."""
     flat = _flat(vertices, faces, field)
     double = _areas(flat)
@@ -184,7 +190,7 @@ def _energy(vertices: Vertices, faces: Faces, field: CrossField, cut: _Cut, stif
     own = [(one.T @ sparse.diags(area) @ one) for one in (along, across)]
     ridge = sparse.diags(np.bincount(cut.copies.ravel(), np.repeat(area, 3), n) / area.sum()) * RIDGE
     blocks = [own[0] + STRAIGHTNESS * own[1] + ridge, own[1] + STRAIGHTNESS * own[0] + ridge]
-    return sparse.block_diag(blocks, format="csr"), np.r_[along.T @ area, across.T @ area]
+    return sparse.block_diag(blocks, format="csr"), np.r_[along.T @ (area * density), across.T @ (area * density)]
 
 
 def _unit(n: int, copy: int, axis: int) -> sparse.csr_matrix:

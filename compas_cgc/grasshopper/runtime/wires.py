@@ -147,7 +147,8 @@ WIRES = {
         ("bake", "flip", "keep_edges", "level_edges", "per_sheet", "reset", "rough", "run", "split", "wait", "whole", "write"), _SWITCH
     ),
     **dict.fromkeys(
-        ("along", "column", "fix", "key", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"), _TEXT
+        ("along", "column", "fix", "key", "kind", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"),
+        _TEXT,
     ),
 }
 

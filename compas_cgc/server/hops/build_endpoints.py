@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...fabrication import MATERIALS
 from ...fabrication.option_values import ALONG
+from ...fabrication.option_values import NET_KINDS
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
@@ -21,7 +22,7 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
     Parameters
     ----------
     drawn
-        Inputs of a solve for the drawing, by name.
+        Inputs of a solve for the drawing and its laws, by name.
     info
         The output of the report.
     """
@@ -173,6 +174,8 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                     most=1000,
                     optional=True,
                 ),
+                drawn["Law"],
+                Input("Kind", "Ki", "Text", f"{' or '.join(NET_KINDS)}. Empty: by K and laws.", default=""),
             ),
             (
                 Output("First", "A", "Curve", "Curves of one family."),

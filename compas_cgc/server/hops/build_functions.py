@@ -30,7 +30,7 @@ __all__ = ["BUILD_FUNCTIONS"]
 MOULD = {"Count": "count", "Size": "size", "Along": "along", "Material": "material", "Thickness": "thickness"}
 UNROLL = {"Strain": "strain", "Spacing": "spacing", "Margin": "margin", "Allowance": "allowance", "Whole": "whole"}
 MEMBRANE = {"Pressure": "pressure", "Weight": "weight", "EdgeBeams": "edge_beams"}
-NET = {"Spacing": "spacing", "Through": "through"}
+NET = {"Spacing": "spacing", "Through": "through", "Kind": "kind"}
 
 
 def _settings(inputs: dict, names: dict[str, str]) -> dict[str, Any]:

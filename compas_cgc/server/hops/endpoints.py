@@ -148,7 +148,7 @@ def endpoints() -> dict[str, Endpoint]:
                 Output("Info", "I", "Text", "Report."),
             ),
         ),
-        *build_endpoints({own.name: own for own in DRAWN_INPUTS}, INFO),
+        *build_endpoints({own.name: own for own in (*DRAWN_INPUTS, LAW)}, INFO),
         rationalise_endpoint(INFO),
         Endpoint(
             "cgc/submit",

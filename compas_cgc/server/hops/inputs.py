@@ -61,13 +61,13 @@ def solve_inputs_request(inputs: dict, context: dict, limits: Limits) -> SolveRe
     _check_targets(inputs)
     read = _assembled(inputs, context, limits)
     problem = read.checked()
-    laws = laws_by_region(filter(str.strip, inputs["Law"].split(";")), problem.number_of_regions())
+    laws = _laws(inputs, problem)
     by_region = {"laws": {str(region): text for region, text in laws.items()}} if laws else {}
     return solve_request(problem, {**_options(inputs), **by_region, **goal_options(inputs, limits)}, limits, _notes(read))
 
 
 def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, list[str]]:
-    """Return a surface without solving, with the given K, and notes on changes made to the input.
+    """Return a surface without solving, with the given K and laws, and notes on changes made to the input.
 
     Raises
     ------
@@ -79,7 +79,8 @@ def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem,
     problem = read.checked()
     if "Supports" in inputs and not inputs["Supports"]:
         problem = problem.with_supports("boundary")
-    return (problem if inputs["At"] else problem.with_targets(inputs["K"][0])), _notes(read)
+    problem = problem if inputs["At"] else problem.with_targets(inputs["K"][0])
+    return problem.with_laws(_laws(inputs, problem)), _notes(read)
 
 
 def design_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, list[str]]:
@@ -92,6 +93,11 @@ def design_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, 
     """
     read = _assembled(inputs, context, limits)
     return read.checked(), _notes(read)
+
+
+def _laws(inputs: Mapping[str, Any], problem: CGCProblem) -> dict[int, str]:
+    """Return the laws of regions as texts, none if an endpoint has no such input."""
+    return laws_by_region(filter(str.strip, inputs.get("Law", "").split(";")), problem.number_of_regions())
 
 
 def _check_targets(inputs: Mapping[str, Any]) -> None:

@@ -194,7 +194,13 @@ class _Seeker:
         posed = self._posed(here.logs)
         judged = here.solution.verdict if status == "converged" else None
         return here.solution._replace(
-            status=status, message=message, iterations=self.steps, seconds=self.seconds, targets=posed.targets, laws=posed.laws, verdict=judged
+            status=status,
+            message=message,
+            iterations=self.steps,
+            seconds=self.seconds,
+            targets=posed.targets,
+            laws=posed.laws,
+            verdict=judged,
         )
 
     def _names(self) -> str:

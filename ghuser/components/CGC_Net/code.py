@@ -13,6 +13,6 @@ from compas_cgc.grasshopper.components.net import net
 
 
 class Net(Grasshopper.Kernel.GH_ScriptInstance):
-    def RunScript(self, cgc_mesh, spacing: float, through):
-        out = net(ghenv.Component, cgc_mesh, spacing, through)  # noqa: F821
+    def RunScript(self, cgc_mesh, spacing: float, through, kind: str):
+        out = net(ghenv.Component, cgc_mesh, spacing, through, kind)  # noqa: F821
         return out.first, out.second, out.nodes, out.sides, out.report

@@ -9,11 +9,13 @@ from compas_cgc import CGCProblem
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication.curves import plural
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
 from compas_cgc.io.rhino.meshes import mesh_to_arrays
 
 from ...support.constant_curvature import cone
 from ...support.constant_curvature import revolved_patch
+from ...support.exact_surfaces import catenoid
 from ...support.freeform import mesh_over
 from ...support.hops_client import Hops
 from ...support.server_process import KEY
@@ -100,6 +102,20 @@ def test_a_net_and_curves_through_points(hops):
     assert np.allclose(outputs["Sides"], net.lengths) and len(outputs["Nodes"]) == len(net.nodes)
     status, outputs, errors, _ = hops("net").solve(Mesh=mesh, K=[-0.02], Through=[(0.0, 0.0, 4.0)])
     assert (status, errors) == (200, []) and len(outputs["First"]) == len(outputs["Second"]) == 1
+
+
+def test_a_net_on_a_soap_film_is_of_the_kind_that_is_chosen(hops):
+    surface = catenoid()
+    V, F, _ = surface.patch(16)
+    given = {"Mesh": mesh_from_arrays(V, F), "K": [0.0], "Law": "minimal", "Spacing": 0.3}
+    posed = CGCProblem(V, F).with_supports("boundary").with_laws("minimal")
+    for kind in ("", "asymptotic"):
+        status, outputs, errors, _ = hops("net").solve(**given, Kind=kind)
+        assert (status, errors) == (200, [])
+        expected = curve_net(posed, 0.3, kind=kind or None)
+        assert plural(expected.curves[0].kind) in outputs["Info"][0]
+        assert np.allclose(lengths(outputs["First"]), [own.length for own in expected.curves if own.family == 0], rtol=1e-6)
+    assert "kind must be curvature or asymptotic" in hops("net").solve(**given, Kind="square")[2][0]
 
 
 @pytest.mark.parametrize(
