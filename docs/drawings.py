@@ -83,6 +83,37 @@ def strips() -> CGCMesh:
     return mesh
 
 
+def soap_film() -> CGCMesh:
+    """A soap film over a round hall whose rim rises and falls: H = 0."""
+    mesh = CGCMesh.from_meshgrid(dx=2.0, nx=24)
+    for vertex in mesh.vertices():
+        x, y = (value - 1.0 for value in mesh.vertex_attributes(vertex, "xy"))
+        x, y = 9.0 * x * np.sqrt(1.0 - y**2 / 2.0), 9.0 * y * np.sqrt(1.0 - x**2 / 2.0)
+        mesh.vertex_attributes(vertex, "xyz", [x, y, 0.03 * (x**2 - y**2)])
+    mesh.set_supports("boundary")
+    mesh.set_law("minimal")
+    return mesh
+
+
+def air_cushions() -> CGCMesh:
+    """Six pneumatic cushions between ribs, with one pressure and one tension: H = 0.45."""
+    mesh = CGCMesh.from_meshgrid(dx=9.0, nx=36, dy=6.0, ny=24)
+    ribs = [[25 * i + j for j in range(25)] for i in (12, 24)] + [[25 * i + 12 for i in range(37)]]
+    mesh.set_creases(ribs)
+    mesh.set_supports([*mesh.vertices_on_boundary(), *sum(ribs, [])])
+    mesh.set_law("H = 0.45")
+    return mesh
+
+
+def inner_layer() -> CGCMesh:
+    """The inner layer of a shell, 0.4 m below a surface of K = 0.005."""
+    K, below = 0.005, 0.4
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=24)
+    mesh.set_supports("corners")
+    mesh.set_law(f"{-2 * K * below} H + {1 - K * below**2} K = {K}")
+    return mesh
+
+
 def samples() -> dict[str, CGCMesh]:
     """Return the drawings of the tutorials that come with the package, by name."""
     found = {"vault": vault(16), "canopy": canopy(16), "facade": facade(24, K=0.01), "cushion": cushion(18)}

@@ -46,6 +46,9 @@ PICTURES = {
     "cushion": Picture(drawings.cushion, View(-60.0, 24.0, 2.6), {"goals": [Rise(0.8)], "unknown": "all"}),
     "oculus": Picture(drawings.oculus, View(-60.0, 30.0, 2.6), {"goals": [Level()]}),
     "strips": Picture(drawings.strips, View(-52.0, 26.0, 2.4), by_curvature=True),
+    "soap_film": Picture(drawings.soap_film, View(-66.0, 22.0, 2.6)),
+    "air_cushions": Picture(drawings.air_cushions, View(-58.0, 26.0, 2.6)),
+    "inner_layer": Picture(drawings.inner_layer, View(-62.0, 20.0, 2.6)),
 }
 
 
