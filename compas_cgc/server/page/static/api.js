@@ -176,6 +176,53 @@ export class Api {
     for await (const { event, data } of eventsOf(answer)) yield toldBy(event, data);
   }
 
+  /** @returns {Promise<{id: string, revision: number}[]>} the designs on the server */
+  async designs() {
+    return (await this.json('api/v1/designs')).designs;
+  }
+
+  /**
+   * Store a design on the server.
+   * @param {string} id
+   * @param {string} name
+   * @param {Uint8Array} content
+   * @param {number} revision that it replaces, 0 for a new one
+   */
+  store(id, name, content, revision) {
+    const headers = revision ? { 'If-Match': `"${revision}"` } : {};
+    return this.json(`api/v1/designs/${id}?name=${encodeURIComponent(name)}`, { method: 'PUT', body: /** @type {any} */ (content), headers });
+  }
+
+  /**
+   * Create a link to a design on the server.
+   * @param {string} id
+   * @param {string} mode copy or view
+   * @returns {Promise<{id: string, token: string}>}
+   */
+  link(id, mode) {
+    return this.json(`api/v1/designs/${id}/links`, { method: 'POST', body: JSON.stringify({ mode }) });
+  }
+
+  /**
+   * Delete all links to a design on the server.
+   * @param {string} id
+   * @returns {Promise<number>} how many
+   */
+  async revoke(id) {
+    const { links } = await this.json(`api/v1/designs/${id}/links`);
+    for (const link of links) await this.request(`api/v1/designs/${id}/links/${link.id}`, { method: 'DELETE' });
+    return links.length;
+  }
+
+  /**
+   * Return the design of a link.
+   * @param {string} token
+   */
+  async shared(token) {
+    const answer = await this.request(`api/v1/shared/${encodeURIComponent(token)}`);
+    return { content: new Uint8Array(await answer.arrayBuffer()), mode: answer.headers.get('CGC-Mode') };
+  }
+
   /**
    * @param {string} path
    * @param {RequestInit} [options]
@@ -193,7 +240,7 @@ export class Api {
   async request(path, options = {}) {
     for (;;) {
       const key = sessionStorage.getItem(KEY);
-      const headers = key ? { Authorization: `Bearer ${key}` } : {};
+      const headers = { ...options.headers, ...(key ? { Authorization: `Bearer ${key}` } : {}) };
       let answer;
       try {
         answer = await fetch(path, { ...options, headers });

@@ -2,7 +2,7 @@
 
 import { Api } from './api.js';
 import { Keep } from './design/keep.js';
-import { fromFragment } from './design/packing.js';
+import { fromFragment, unpacked } from './design/packing.js';
 import { emptyPlan } from './draw/plan.js';
 import { edgeDialog } from './edgedialog.js';
 import { guardNumberFields } from './fields.js';
@@ -10,6 +10,7 @@ import { keyDialog } from './keydialog.js';
 import { Welcome } from './welcome.js';
 
 const MARK = '#design=';
+const SHARED = '#shared=';
 
 guardNumberFields();
 
@@ -54,7 +55,7 @@ async function offer() {
   welcome.offer(await keep.all(), {
     take: (design) => {
       keep.leave();
-      keep.take(design.id);
+      keep.take(design.id, design.revision ?? 0);
       begin(design);
     },
     drop: ({ id }) => keep.drop(id),
@@ -73,6 +74,14 @@ async function restore() {
       history.replaceState(null, '', location.pathname);
       keep.leave();
       await begin(state);
+      return;
+    }
+    if (location.hash.startsWith(SHARED)) {
+      const { content, mode } = await api.shared(location.hash.slice(SHARED.length));
+      keep.leave();
+      await begin({ ...(await unpacked(content)), only: mode === 'view' });
+      // A view stays where its link is, a copy becomes a design of this browser.
+      if (mode !== 'view') history.replaceState(null, '', location.pathname);
       return;
     }
   } catch (error) {

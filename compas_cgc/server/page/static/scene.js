@@ -123,6 +123,22 @@ export class Scene {
     this.draw();
   }
 
+  /** @returns {number[]} position of the camera and its target, in units of the scene */
+  get view() {
+    return [...this.camera.position.toArray(), ...this.controls.target.toArray()];
+  }
+
+  /** @param {number[]} view */
+  set view(view) {
+    this.framed = true;
+    this.measure();
+    this.tangents();
+    this.camera.position.fromArray(view);
+    this.controls.target.fromArray(view, 3);
+    this.controls.update();
+    this.draw();
+  }
+
   /** Centre the view in the free area, and return the tangents of half of its angles of view. */
   tangents() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;

@@ -1,12 +1,23 @@
 /** Saving of the design as a file or link, and of the view as a picture. */
 
-import { asFragment, asText } from './design/packing.js';
+import { asFragment, asText, packed } from './design/packing.js';
 import { hand } from './download.js';
+
+/** Copy an address; without permission, put it into the address bar and return false. */
+async function copied(address) {
+  try {
+    await navigator.clipboard.writeText(address);
+    return true;
+  } catch {
+    history.replaceState(null, '', address);
+    return false;
+  }
+}
 
 /**
  * Connect the menu.
  * @param {HTMLDetailsElement} menu
- * @param {{state: () => import('./types.js').State, picture: () => Promise<?Blob>}} source
+ * @param {{state: () => import('./types.js').State, whole: () => any, api: import('./api.js').Api, picture: () => Promise<?Blob>}} source
  */
 export function shareMenu(menu, source) {
   const said = menu.querySelector('#share-said');
@@ -25,14 +36,25 @@ export function shareMenu(menu, source) {
   });
   act('#save-link', async (state) => {
     const address = `${location.origin}${location.pathname}#design=${await asFragment(state)}`;
-    try {
-      await navigator.clipboard.writeText(address);
-    } catch {
-      // Without permission to copy, put the link into the address bar.
-      history.replaceState(null, '', address);
-      return 'The link is in the address bar. It contains the whole design.';
-    }
+    if (!(await copied(address))) return 'The link is in the address bar. It contains the whole design.';
     return `Link copied (${Math.ceil(address.length / 1000)},000 characters). It contains the whole design; nothing is stored elsewhere.`;
+  });
+  for (const mode of ['copy', 'view']) {
+    act(`#share-${mode}`, async () => {
+      const { api } = source;
+      const { id, ...whole } = source.whole();
+      const before = (await api.designs()).find((own) => own.id === id)?.revision ?? 0;
+      await api.store(id, whole.name, await packed(whole), before);
+      const { token } = await api.link(id, mode);
+      const there = await copied(`${location.origin}${location.pathname}#shared=${token}`);
+      return `${there ? 'Link copied.' : 'The link is in the address bar.'} Whoever has it can ${mode === 'copy' ? 'edit a copy' : 'view the design'}, until you revoke it.`;
+    });
+  }
+  act('#revoke', async () => {
+    const { id } = source.whole();
+    const known = (await source.api.designs()).some((own) => own.id === id);
+    const count = known ? await source.api.revoke(id) : 0;
+    return count ? `${count} link${count === 1 ? '' : 's'} revoked.` : 'There are no links to this design.';
   });
   act('#save-picture', async (state) => {
     const picture = await source.picture();

@@ -4,6 +4,7 @@ import { Refusal } from './api.js';
 
 const LIVE_AFTER = 1000; // duration of a solve above which its steps are drawn [ms]
 const POLL = 200; // milliseconds
+const RETRY = 1000; // time between two attempts to reach the server [ms]
 
 /**
  * @typedef {object} Listener what is told about a solve
@@ -13,6 +14,7 @@ const POLL = 200; // milliseconds
  * @property {(said: import('./types.js').Judged) => void} judged its verdict, before it is measured
  * @property {(result: ?import('./types.js').Result, status: import('./types.js').Status) => void} done
  * @property {(message: string) => void} failed
+ * @property {() => void} lost the server does not respond
  */
 
 /** Runs solves on the server and reports their progress. */
@@ -68,6 +70,9 @@ export class Solver {
       await this.api.cancel(this.run.id);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
+      if (!isLost(error)) return;
+      this.stop();
+      this.listener.failed(error.message);
     }
   }
 
@@ -92,8 +97,21 @@ export class Solver {
     this.api.forget(id).catch(() => {});
   }
 
-  /** Follow a job to its end, and return its status and surface. */
+  /** Follow a job to its end, through cut connections and restarts of the server, and return its status and surface. */
   async follow(run, request) {
+    for (;;) {
+      try {
+        // The same job again, as its id and its content are the same.
+        return await this.once(run, request);
+      } catch (error) {
+        if (run.abort.signal.aborted || !isLost(error)) throw error;
+        if (this.run === run) this.listener.lost();
+        await new Promise((resolve) => setTimeout(resolve, RETRY));
+      }
+    }
+  }
+
+  async once(run, request) {
     let [status, result] = [null, null];
     for await (const told of this.api.solving(request, run.abort.signal)) {
       result = told.result ?? result;
@@ -131,6 +149,11 @@ export class Solver {
       run.fetching = false;
     }
   }
+}
+
+/** Check whether an error means that the server did not respond, and may later. */
+function isLost(error) {
+  return error instanceof Refusal ? [0, 502, 503, 504].includes(error.status) : error instanceof TypeError;
 }
 
 function isOver(status) {

@@ -27,6 +27,10 @@ export class Solving {
     this.asking = null;
     /** @type {any} the request of the result */
     this.solved = null;
+    /** @type {?import('./types.js').Data} the design that the result belongs to */
+    this.of = null;
+    /** @type {?import('./types.js').Data} the design of the running solve */
+    this.begun = null;
     /** @type {?Float64Array} */
     this.drawn = null;
     this.patience = 0;
@@ -45,7 +49,7 @@ export class Solving {
     this.rhythm.settle();
     this.settle();
     this.held = this.coarse = false;
-    this.result = this.studio.painter.before = null;
+    this.result = this.studio.painter.before = this.of = null;
     this.studio.crown.on = false;
     this.charts.clear();
     this.verdict.clear();
@@ -64,6 +68,7 @@ export class Solving {
     // Other colours do not depend on targets, and drawing would delay the solve.
     if (painter.by === 'error') painter.paint();
     this.stale = true;
+    this.of = null;
     if ($('drag').checked) {
       this.wait();
       this.rhythm.changed();
@@ -126,6 +131,7 @@ export class Solving {
     this.charts.clear();
     this.drawn = null;
     this.asking = this.request();
+    this.begun = this.studio.data;
     this.coarse = this.held;
     const { settings } = this.asking;
     this.solver.solve({ ...this.asking, ...this.last(this.asking), settings: this.coarse ? { tolerance: COARSE, ...settings } : settings });
@@ -137,6 +143,12 @@ export class Solving {
     showProgress($('progress'), status);
     $('progress').hidden = this.solver.age < PROGRESS_DELAY;
     if (this.charts.add(status)) $('course').hidden = false;
+  }
+
+  /** Called by the solver while the server does not respond. */
+  lost() {
+    $('progress').textContent = 'The server does not respond. Trying again …';
+    $('progress').hidden = $('cancel').hidden = false;
   }
 
   /** Called by the solver with the surface of a step. */
@@ -168,7 +180,34 @@ export class Solving {
       this.failed(status.message ?? 'The solve ended without a result', status.state === 'cancelled');
       return;
     }
-    const { crown, data, model, painter, scene, settings } = this.studio;
+    const { data } = this.studio;
+    const known = this.begun === data;
+    this.shows(result, data);
+    // K found for a rise is part of the design.
+    if (known) this.of = this.studio.data;
+    if (result.status !== 'converged') this.heard();
+    this.studio.stepped();
+  }
+
+  /**
+   * Show a stored surface, as after its solve.
+   * @param {import('./types.js').Result} result
+   * @param {?number[]} view
+   */
+  restore(result, view) {
+    const { data, scene } = this.studio;
+    this.asking = this.request();
+    this.shows(result, data);
+    this.of = this.studio.data;
+    if (view) scene.view = view;
+    // The server has no job of it.
+    this.rest({ downloads: false, making: false, course: !$('course').hidden });
+    this.verdict.add('Shown as stored. Solve again to download or build.');
+  }
+
+  /** Show a result in all views. */
+  shows(result, data) {
+    const { crown, model, painter, scene, settings } = this.studio;
     const before = this.result;
     if (before) painter.before = before.xyz;
     this.result = result;
@@ -187,8 +226,6 @@ export class Solving {
     this.verdict.show(result, model);
     const drawn = this.charts.end(result.history);
     this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });
-    if (result.status !== 'converged') this.heard();
-    this.studio.stepped();
   }
 
   /** Called by the solver when there is no result. */

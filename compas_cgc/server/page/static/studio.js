@@ -39,6 +39,7 @@ export class Studio {
   constructor(api, keep, welcome) {
     this.model = null;
     this.built = null;
+    this.only = false; // whether the design may only be viewed
     /** @type {?(Float64Array | Float32Array)} */
     this.shown = null;
     this.api = api;
@@ -84,21 +85,36 @@ export class Studio {
       },
       $('sheets'),
     );
-    shareMenu($('share'), { state: () => this.history.now, picture: async () => (this.model ? this.scene.picture() : null) });
+    this.keep.more = () => this.stored();
+    this.keep.parted = () => {
+      $('share-said').textContent = 'This design is open in another tab, too. This tab continues with a copy, and both are kept.';
+      $('share').open = true;
+    };
+    shareMenu($('share'), { api, state: () => this.history.now, whole: () => ({ ...this.history.now, ...this.stored(), id: this.keep.id }), picture: async () => (this.model ? this.scene.picture() : null) });
     listen(this);
   }
 
   // ---------------------------------------------------------- the design
 
   /** Open a design. */
-  begin({ stage, name, plan, data, solved = false }) {
+  begin({ stage, name, plan, data, solved = false, solution = null, states = null, at = 0, view = null, only = false }) {
     this.solving.solver.reset();
+    this.only = only;
+    document.body.classList.toggle('only', only);
     this.toggleWelcome(false);
     this.data = null;
-    this.history.begin({ stage, name, plan, data });
+    if (states?.[at]) this.history.restore(states, at);
+    else this.history.begin({ stage, name, plan, data });
     this.show(this.history.now);
     if (stage === 'draw') this.board.fit();
-    if (solved && data) this.solving.begin();
+    else if (solution) this.solving.restore(solution, view);
+    else if (solved && data) this.solving.begin();
+  }
+
+  /** Return what is stored beside the present state: the solved surface, the history and the view. */
+  stored() {
+    const { history, scene, solving } = this;
+    return { solution: solving.of && solving.of === this.data ? solving.result : null, states: history.states, at: history.at, view: scene.view };
   }
 
   /** Show a new model of a file or an example. */
@@ -111,6 +127,7 @@ export class Studio {
 
   /** Take a step of the history. */
   step(way) {
+    if (this.only) return;
     if (way === 'undo' && this.history.now?.stage === 'draw' && this.board.back()) return;
     const state = this.history[way]();
     if (!state) return;
@@ -123,7 +140,7 @@ export class Studio {
     $('undo').disabled = !this.history.canUndo;
     $('redo').disabled = !this.history.canRedo;
     const { now } = this.history;
-    if (now) this.keep.put({ ...now, solved: this.solving.result !== null });
+    if (now && !this.only) this.keep.put({ ...now, solved: this.solving.result !== null });
   }
 
   /** Change the drawing. */
@@ -141,8 +158,10 @@ export class Studio {
 
   /** Change names and colours, which do not affect the surface. */
   dress(data, key) {
+    const known = this.solving.of === this.data;
     this.history.push({ ...this.history.now, data }, key);
     this.present(data);
+    if (known) this.solving.of = data;
   }
 
   /** Show a state: the drawing, or the surface. */

@@ -50,6 +50,16 @@ export interface State {
   plan: import('./draw/plan.js').Plan | null;
   data: Data | null;
   solved?: boolean;
+  /** the solved surface of the present state */
+  solution?: Result | null;
+  /** the history of a stored design, and the place of the present state in it */
+  states?: State[] | null;
+  at?: number;
+  /** position of the camera and its target */
+  view?: number[] | null;
+  /** whether the design may only be viewed */
+  only?: boolean;
+  revision?: number;
   id?: string;
   time?: number;
 }

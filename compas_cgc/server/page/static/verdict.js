@@ -71,6 +71,14 @@ export class Verdict {
     }
   }
 
+  /**
+   * Add a note below the heading.
+   * @param {string} text
+   */
+  add(text) {
+    this.room.querySelector('h2').after(old(text));
+  }
+
   fill(mood, parts) {
     this.room.hidden = false;
     this.room.className = `verdict ${mood}`;

@@ -41,6 +41,18 @@ export class History {
   }
 
   /**
+   * Continue a stored history.
+   * @param {import('../types.js').State[]} states
+   * @param {number} at
+   */
+  restore(states, at) {
+    this.states = states;
+    this.at = at;
+    this.last = { key: '', time: 0 };
+    this.changed();
+  }
+
+  /**
    * Add a state.
    * @param {import('../types.js').State} state
    * @param {string} [key] what has changed; consecutive changes with the same key are merged

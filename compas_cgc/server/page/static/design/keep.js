@@ -6,6 +6,10 @@ const TAB = 'compas_cgc.design';
 const WAITS = 'compas_cgc.waits';
 const MAX_DESIGNS = 12;
 
+function newId() {
+  return crypto.getRandomValues(new Uint32Array(2)).join('-');
+}
+
 /** @returns {Promise<IDBDatabase>} */
 function opened() {
   return new Promise((resolve, reject) => {
@@ -35,11 +39,47 @@ async function inStore(mode, act) {
   }
 }
 
-/** Each tab stores its design under a separate id. Browsers without storage (private windows) are not an error. */
+/**
+ * Store a state, under a new id if another tab has changed the design since.
+ * @param {any} state with the revision `base` that it follows
+ * @returns {Promise<{id: string, revision: number}>} what is stored
+ */
+async function written({ base, ...state }) {
+  const database = await opened();
+  try {
+    return await new Promise((resolve, reject) => {
+      const transaction = database.transaction(STORE, 'readwrite');
+      const store = transaction.objectStore(STORE);
+      const asked = store.get(state.id);
+      let stored = null;
+      asked.onsuccess = () => {
+        const found = asked.result;
+        // The same state may have been stored while the page was closing.
+        const foreign = found && (found.revision ?? 0) !== base && found.time !== state.time;
+        stored = { ...state, id: foreign ? newId() : state.id, revision: foreign ? 1 : (found?.revision ?? 0) + 1 };
+        store.put(stored);
+      };
+      transaction.oncomplete = () => resolve(stored);
+      transaction.onabort = () => reject(transaction.error);
+      transaction.onerror = () => reject(transaction.error);
+    });
+  } finally {
+    database.close();
+  }
+}
+
+/**
+ * Each tab stores its design under a separate id. If two tabs have the same one, the second to change it goes on under a new id, so that
+ * no change is lost. Browsers without storage (private windows) are not an error.
+ */
 export class Keep {
   constructor() {
     this.timer = 0;
     this.id = sessionStorage.getItem(TAB);
+    this.revision = 0; // of the design as this tab knows it
+    /** @type {() => object} what is stored beside the state, when it is stored */
+    this.more = () => ({});
+    this.parted = () => {}; // called when the design goes on under a new id
   }
 
   /**
@@ -47,8 +87,8 @@ export class Keep {
    * @param {import('../types.js').State} state
    */
   put(state) {
-    this.take(this.id ?? crypto.getRandomValues(new Uint32Array(2)).join('-'));
-    this.latest = { ...state, id: this.id, time: Date.now() };
+    if (!this.id) this.take(newId(), 0);
+    this.latest = { ...state, id: this.id, time: Date.now(), base: this.revision };
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.now(), 250);
   }
@@ -58,8 +98,14 @@ export class Keep {
     clearTimeout(this.timer);
     const { latest } = this;
     if (!latest) return;
-    await inStore('readwrite', (store) => store.put(latest)).catch(() => {});
-    if (this.latest === latest) this.latest = null;
+    this.latest = null;
+    const stored = await written({ ...this.more(), ...latest, base: Math.max(latest.base, this.revision) }).catch(() => null);
+    // Another design may be shown meanwhile.
+    if (!stored || this.id !== latest.id) return;
+    this.take(stored.id, stored.revision);
+    if (stored.id === latest.id) return;
+    if (this.latest) Object.assign(this.latest, { id: stored.id, base: stored.revision });
+    this.parted();
   }
 
   /** The page is closing, so asynchronous storage may not finish: store the pending state in the session storage. */
@@ -83,9 +129,12 @@ export class Keep {
       const file = (await this.read(latest.id))?.data?.file;
       if (latest.data && file) latest.data.file = file;
       this.latest = latest;
+      this.revision = latest.base;
       await this.now();
     }
-    return this.id ? this.read(this.id) : null;
+    const found = this.id ? await this.read(this.id) : null;
+    this.revision = found?.revision ?? 0;
+    return found;
   }
 
   /** @param {string} id */
@@ -109,12 +158,17 @@ export class Keep {
   leave() {
     this.now();
     this.id = null;
+    this.revision = 0;
     sessionStorage.removeItem(TAB);
   }
 
-  /** @param {string} id of the design that this tab continues */
-  take(id) {
+  /**
+   * @param {string} id of the design that this tab continues
+   * @param {number} [revision]
+   */
+  take(id, revision = 0) {
     this.id = id;
+    this.revision = revision;
     sessionStorage.setItem(TAB, id);
   }
 }
