@@ -120,7 +120,9 @@ def test_a_solve_goes_on_when_its_server_is_killed_and_started_again(tmp_path):
             hands.click("[data-example=example2]")
             hands.seen("#solve")
             # So that the server is killed within the solve.
-            hands.read("const { fetch } = window; window.asked = 0; window.fetch = (...all) => { window.asked += 1; return fetch(...all); }")
+            hands.read(
+                "const { fetch } = window; window.asked = 0; window.fetch = (...all) => { window.asked += 1; return fetch(...all); }"
+            )
             hands.click("#solve")
             wait_for(lambda: hands.read("return window.asked"))
             server.process.kill()

@@ -28,6 +28,7 @@ export class Limit {
     this.said.hidden = true;
   }
 
+  /** @returns {Promise<?number>} factor of the present targets, null if none was found */
   async find() {
     this.clear();
     const search = new AbortController();
@@ -38,11 +39,13 @@ export class Limit {
       const { unknown, method, settings, ...problem } = this.request();
       const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: TOLERANCE } }, search.signal);
       this.api.forget(found.id).catch(() => {});
-      if (this.search !== search) return;
+      if (this.search !== search) return null;
       this.regions.mark(found.status === 'found' ? this.regions.targets.map((K) => (K ? K * found.factor : null)) : null);
       this.said.textContent = capital(found.message);
+      return found.status === 'found' ? found.factor : null;
     } catch (error) {
       if (error.name !== 'AbortError') this.said.textContent = capital(error.message);
+      return null;
     }
   }
 }

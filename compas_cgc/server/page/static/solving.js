@@ -5,6 +5,7 @@ import { asked } from './design/goals.js';
 import { download } from './download.js';
 import { pack } from './packed.js';
 import { showProgress } from './progress.js';
+import { remediesFor } from './remedies.js';
 import { Rhythm } from './rhythm.js';
 import { Solver } from './solver.js';
 import { Verdict } from './verdict.js';
@@ -224,6 +225,7 @@ export class Solving {
     if (!before) scene.fit();
     scene.flush();
     this.verdict.show(result, model);
+    if (result.report.verdict?.fair === false || result.status !== 'converged') this.remedy();
     const drawn = this.charts.end(result.history);
     this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });
   }
@@ -231,8 +233,14 @@ export class Solving {
   /** Called by the solver when there is no result. */
   failed(message, stopped = false) {
     this.verdict.fail(message, this.result !== null, stopped);
+    if (!stopped) this.remedy();
     this.rest({ downloads: false, making: false, course: false });
     this.heard();
+  }
+
+  /** Offer remedies beside the verdict. */
+  remedy() {
+    if (!this.studio.only) this.verdict.offer(remediesFor(this.studio));
   }
 
   /** Scroll to an error, which can be far from the pressed button on a narrow screen. */

@@ -72,6 +72,29 @@ export class Verdict {
   }
 
   /**
+   * Offer remedies as buttons; all are disabled while one is applied.
+   * @param {import('./remedies.js').Remedy[]} remedies
+   */
+  offer(remedies) {
+    const row = document.createElement('div');
+    row.className = 'buttons remedies';
+    const buttons = remedies.map(({ text, act }) => {
+      const button = /** @type {HTMLButtonElement} */ (element('button', text));
+      Object.assign(button, { type: 'button', className: 'small' });
+      button.addEventListener('click', async () => {
+        for (const each of buttons) each.disabled = true;
+        await act();
+        for (const each of buttons) each.disabled = false;
+      });
+      return button;
+    });
+    row.append(...buttons);
+    const figures = this.room.querySelector(':scope > dl');
+    if (figures) figures.before(row);
+    else this.room.append(row);
+  }
+
+  /**
    * Add a note below the heading.
    * @param {string} text
    */

@@ -1,0 +1,39 @@
+"""Remedies: a rough surface is mended by a button of its verdict."""
+
+from __future__ import annotations
+
+import pytest
+
+from ...support.hands import BUSY
+from ...support.hands import open_hands
+from ...support.server_process import running_server
+from ...support.server_process import wait_for
+
+pytestmark = pytest.mark.nightly
+
+# A roof between two walls, with more curvature than these carry.
+OUTLINE = [[-0.29, -0.99], [13.69, -0.13], [12.83, 10.55], [0.06, 11.34]]
+SKETCH = {"name": "Hall", "unit": "m", "edge_length": 0.87, "outline": OUTLINE, "held": [OUTLINE[:2], OUTLINE[2:]]}
+OPEN = (
+    "const { asFragment } = await import('/page/design/packing.js');"
+    "const answer = await fetch('/api/v1/drawings', { method: 'POST', body: JSON.stringify(args[0]) });"
+    "const data = { ...(await answer.json()), targets: [args[1]] };"
+    "location.hash = `design=${await asFragment({ stage: 'shape', name: 'Hall', plan: null, data })}`;"
+)
+
+
+def test_a_button_of_the_verdict_mends_a_rough_surface(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
+        hands.open(f"{server.url}/#new")
+        hands.seen(".example")
+        hands.read(OPEN, SKETCH, 0.025)
+        hands.seen("#solve")
+        hands.click("#solve")
+        wait_for(lambda: hands.text(".verdict h2") == "Rough" and not hands.shown(BUSY), what="the surface is not rough")
+        buttons = hands.read("return [...document.querySelectorAll('.remedies button')].map((each) => each.textContent)")
+        assert buttons == ["Set the largest feasible K", "Halve K", "Support the whole edge"]
+        hands.click(".remedies button")
+        wait_for(lambda: hands.text(".verdict h2") == "Target reached" and not hands.shown(BUSY), what="the surface is still rough")
+        assert not hands.shown(".remedies") and hands.complaints() == []
+        hands.click("#undo")
+        wait_for(lambda: hands.text(".verdict h2") == "Rough" and not hands.shown(BUSY), what="a remedy is a step that can be undone")
