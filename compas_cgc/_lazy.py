@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import gc
+import sys
 from collections.abc import Callable
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -47,7 +48,12 @@ def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[
 
         raise AttributeError(f"module {package!r} has no attribute {name!r}{did_you_mean(name, [*homes, *subpackages()])}")
 
-    return look_up, lambda: sorted([*homes, *subpackages()]), sorted(homes)
+    def listed() -> list[str]:
+        # COMPAS looks for ``__all_plugins__`` in this list.
+        special = [name for name in vars(sys.modules[package]) if name.startswith("__")]
+        return sorted([*homes, *subpackages(), *special])
+
+    return look_up, listed, sorted(homes)
 
 
 def _imports(stub: Path) -> dict[str, str]:

@@ -32,7 +32,8 @@ class CGCMeshObject(MeshObject):
             "show_points": True,
             "pointsize": 10.0,
         }
-        super().__init__(item=real, **{**own, **options})
+        # The scene of the viewer passes None for all options that were not given.
+        super().__init__(item=real, **{**own, **{name: value for name, value in options.items() if value is not None}})
 
     def _read_points_data(self) -> tuple[list, list, list]:
         points = [self.mesh.vertex_coordinates(key) for key in self.mesh.supports()]

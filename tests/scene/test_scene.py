@@ -7,6 +7,7 @@ import types
 
 import numpy as np
 import pytest
+from compas.plugins import PluginManager
 from compas.scene import MeshObject
 from compas.scene import Scene
 from compas.scene import context
@@ -47,6 +48,15 @@ def registered(monkeypatch):
     context.ITEM_SCENEOBJECT.update(kept)
     for name in ("rhino", "grasshopper", "notebook", "viewer"):
         sys.modules.pop(f"compas_cgc.scene.{name}", None)
+
+
+def test_compas_finds_the_plugins_of_the_package():
+    finder = PluginManager()
+    finder.load_plugins()
+    homes = {own.method.__module__ for found in finder.registry.values() for own in found}
+    # Those of Rhino, Grasshopper, notebooks and compas_viewer require these.
+    assert {"compas_cgc.io.plugins"} <= homes
+    assert set(compas_cgc.__all_plugins__) <= set(sys.modules) and "__all_plugins__" in dir(compas_cgc)
 
 
 def stand_in(monkeypatch, name, **names):
@@ -119,7 +129,7 @@ def test_in_the_viewer(registered, monkeypatch):
     stand_in(monkeypatch, "compas_viewer")
     stand_in(monkeypatch, "compas_viewer.scene", MeshObject=ViewerMeshObject)
     compas_cgc.scene.register_viewer()
-    drawn = added(folded_roof(), "Viewer")
+    drawn = added(folded_roof(), "Viewer", use_vertexcolors=None, show_points=None)
     assert drawn.use_vertexcolors and drawn.show_points
     points, colours, elements = drawn._read_points_data()
     assert len(points) == len(colours) == 2 and elements == [[0], [1]]
@@ -148,15 +158,20 @@ def test_in_a_notebook(registered):
         added(roof, "Notebook", show_figure="slope").draw()
 
 
-def test_in_the_viewer_itself():
+def test_in_the_viewer_itself(registered, monkeypatch):
     """Not with stand-ins: compas_viewer as it is, without a window."""
-    pytest.importorskip("compas_viewer", reason="compas_viewer is not installed")
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    viewer = pytest.importorskip("compas_viewer", reason="compas_viewer is not installed")
     scene = pytest.importorskip("compas_viewer.scene", exc_type=ImportError, reason="compas_viewer cannot be loaded here")
-    from compas_cgc.scene.viewer import CGCMeshObject
-
-    assert issubclass(CGCMeshObject, scene.MeshObject)
     for name in ("_read_points_data", "_read_lines_data"):
         assert callable(getattr(scene.MeshObject, name)), "what ours takes the place of is there"
+    drawn = viewer.Viewer().scene.add(folded_roof())
+    assert type(drawn).__module__ == "compas_cgc.scene.viewer" and isinstance(drawn, scene.MeshObject)
+    assert [len(part) for part in drawn._read_points_data()] == [2, 2, 2]
+    assert len(drawn._read_lines_data()[2]) == 4 + 16
+    points, colours, elements = drawn._read_frontfaces_data()
+    assert len(points) == len(colours) == 3 * 32 and len(elements) == 32, "no dummies"
+    assert len({tuple(colour) for colour in colours}) > 1, "coloured by K"
 
 
 def test_compas_is_told_what_each_registration_needs():
