@@ -5,17 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from .._compiled import kernel
+from ._kernels import ACUTE
 from ._kernels import corner
+from ._kernels import obtuse_corner
 from .arrays import CSRIndices
 from .arrays import Faces
 from .arrays import FloatArray
+from .arrays import IntArray
 from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
 
 
 @kernel(inner=True)
-def rates_of(V: Vertices, F: Faces, f: int, K: PerVertex, E: FloatArray, rates: FloatArray) -> bool:
+def rates_of(V: Vertices, F: Faces, f: int, K: PerVertex, O: IntArray, E: FloatArray, rates: FloatArray) -> bool:
     """Write into `rates` (3, 3) what face `f` adds to the derivative of equation a by the dot product d_b of the edges at b.
 
     ``E`` (3, 3) takes the edges, each across from its corner. With their squares ``l_a = d_b + d_c`` and twice the area
@@ -29,7 +32,7 @@ def rates_of(V: Vertices, F: Faces, f: int, K: PerVertex, E: FloatArray, rates: 
         E[1, x] = V[i, x] - V[k, x]
         E[2, x] = V[j, x] - V[i, x]
     d, l = (di, dj, dk), (dj + dk, di + dk, di + dj)
-    plain = di >= 0.0 and dj >= 0.0 and dk >= 0.0
+    obtuse = O[f] if len(O) > 0 else obtuse_corner(di, dj, dk)
     half, inverse = 0.5 / D, 1.0 / (l[0] * l[1] * l[2])
     for a in range(3):
         target, product = K[F[f, a]], d[a] * l[a]
@@ -38,25 +41,27 @@ def rates_of(V: Vertices, F: Faces, f: int, K: PerVertex, E: FloatArray, rates: 
             turn, lost = product * grows, d[a]
             if a == b:
                 turn, lost = turn - D * l[a], l[a]
-            if plain:
+            if obtuse == ACUTE:
                 change = 0.25 * (grows * (1.0 + 2.0 * half * half * product) - half * lost)
             else:
-                change = (0.25 if d[a] < 0.0 else 0.125) * grows
+                change = (0.25 if a == obtuse else 0.125) * grows
             rates[a, b] = -turn * inverse - target * change
     return True
 
 
-def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int) -> FloatArray:
+def everywhere(V: Vertices, F: Faces, K: PerVertex, O: IntArray, S: CSRIndices, size: int) -> FloatArray:
     """Return the derivatives by all coordinates, in the slots S, (size, 3)."""
     data = np.zeros((size, 3))
-    _add_everywhere(V, F, K, S, *np.empty((2, 3, 3)), data)
+    _add_everywhere(V, F, K, O, S, *np.empty((2, 3, 3)), data)
     return data
 
 
 @kernel()
-def _add_everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, E: FloatArray, rates: FloatArray, data: FloatArray) -> None:
+def _add_everywhere(
+    V: Vertices, F: Faces, K: PerVertex, O: IntArray, S: CSRIndices, E: FloatArray, rates: FloatArray, data: FloatArray
+) -> None:
     for f in range(F.shape[0]):
-        if rates_of(V, F, f, K, E, rates):
+        if rates_of(V, F, f, K, O, E, rates):
             for a in range(3):
                 for b in range(3):
                     at = S[f, a, b]
@@ -67,17 +72,19 @@ def _add_everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, E: Float
                             data[at, x] += rates[a, b] * (E[p, x] - E[q, x]) + other * E[b, x]
 
 
-def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vectors) -> FloatArray:
+def along(V: Vertices, F: Faces, K: PerVertex, O: IntArray, S: CSRIndices, size: int, U: Vectors) -> FloatArray:
     """Return the derivatives along one direction U (n, 3) per vertex, in the slots S, (size,)."""
     data = np.zeros(size)
-    _add_along(V, F, K, S, U, *np.empty((2, 3, 3)), data)
+    _add_along(V, F, K, O, S, U, *np.empty((2, 3, 3)), data)
     return data
 
 
 @kernel()
-def _add_along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, U: Vectors, E: FloatArray, rates: FloatArray, data: FloatArray) -> None:
+def _add_along(
+    V: Vertices, F: Faces, K: PerVertex, O: IntArray, S: CSRIndices, U: Vectors, E: FloatArray, rates: FloatArray, data: FloatArray
+) -> None:
     for f in range(F.shape[0]):
-        if rates_of(V, F, f, K, E, rates):
+        if rates_of(V, F, f, K, O, E, rates):
             for b in range(3):
                 p, q = (b + 1) % 3, (b + 2) % 3
                 own = other = 0.0  # what d_b grows by, and d_p and d_q by against each other

@@ -9,12 +9,15 @@ import numpy as np
 from .._compiled import kernel
 from .arrays import Edges
 from .arrays import Faces
+from .arrays import IntArray
 from .arrays import PerFace
 from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
 
 MIXED, VORONOI, BARYCENTRIC = 0, 1, 2
+AS_IT_IS: IntArray = np.zeros(0, np.int64)  # in place of the corners with obtuse angles: those that the shape has
+ACUTE = -1  # of a face, instead of the corner with the obtuse angle
 
 
 @kernel(inner=True)
@@ -34,7 +37,17 @@ def corner(V: Vertices, F: Faces, f: int) -> tuple[int, int, int, float, float, 
 
 
 @kernel(inner=True)
-def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tuple[float, float, float]:
+def obtuse_corner(di: float, dj: float, dk: float) -> int:
+    """Return the corner, 0 to 2, at which a face has an obtuse angle, -1 if there is none."""
+    if di < 0.0:
+        return 0
+    if dj < 0.0:
+        return 1
+    return 2 if dk < 0.0 else ACUTE
+
+
+@kernel(inner=True)
+def cell_areas(kind: int, obtuse: int, double: float, di: float, dj: float, dk: float) -> tuple[float, float, float]:
     """Return the shares of a face's area that belong to its corners i, j, k.
 
     Voronoi: (cot_j |ik|^2 + cot_k |ij|^2) / 8, with cot = dot / double area. Mixed: the
@@ -44,11 +57,11 @@ def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tup
         third = double / 6.0
         return third, third, third
     if kind == MIXED:
-        if di < 0.0:
+        if obtuse == 0:
             return 0.25 * double, 0.125 * double, 0.125 * double
-        if dj < 0.0:
+        if obtuse == 1:
             return 0.125 * double, 0.25 * double, 0.125 * double
-        if dk < 0.0:
+        if obtuse == 2:
             return 0.125 * double, 0.125 * double, 0.25 * double
     eighth = 0.125 / double
     # Squared lengths of the edges: |ij|^2 = di + dj and so on.
@@ -56,15 +69,18 @@ def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tup
     return (si + sj) * eighth, (si + sk) * eighth, (sj + sk) * eighth
 
 
-def angle_sums_and_areas(V: Vertices, F: Faces, kind: int) -> tuple[PerVertex, PerVertex]:
-    """Return the sum of angles (n,) and the cell area (n,) at every vertex in one pass, for Eq. 10."""
+def angle_sums_and_areas(V: Vertices, F: Faces, kind: int, obtuse: IntArray = AS_IT_IS) -> tuple[PerVertex, PerVertex]:
+    """Return the sum of angles (n,) and the cell area (n,) at every vertex in one pass, for Eq. 10.
+
+    Corners with an obtuse angle (m,), see :func:`obtuse_corner`, may be those of another shape.
+    """
     angle, area = np.zeros(len(V)), np.zeros(len(V))
-    _add_angles_and_areas(V, F, kind, angle, area)
+    _add_angles_and_areas(V, F, kind, obtuse, angle, area)
     return angle, area
 
 
 @kernel()
-def _add_angles_and_areas(V: Vertices, F: Faces, kind: int, angle: PerVertex, area: PerVertex) -> None:
+def _add_angles_and_areas(V: Vertices, F: Faces, kind: int, O: IntArray, angle: PerVertex, area: PerVertex) -> None:
     for f in range(F.shape[0]):
         i, j, k, _, _, _, double, di, dj, dk = corner(V, F, f)
         ti = math.atan2(double, di)
@@ -72,7 +88,8 @@ def _add_angles_and_areas(V: Vertices, F: Faces, kind: int, angle: PerVertex, ar
         angle[i] += ti
         angle[j] += tj
         angle[k] += math.pi - ti - tj
-        ai, aj, ak = cell_areas(kind, double, di, dj, dk)
+        obtuse = O[f] if len(O) > 0 else obtuse_corner(di, dj, dk)
+        ai, aj, ak = cell_areas(kind, obtuse, double, di, dj, dk)
         area[i] += ai
         area[j] += aj
         area[k] += ak

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import Optional
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +15,7 @@ from . import _derivatives
 from . import _kernels
 from .arrays import Faces
 from .arrays import FloatArray
+from .arrays import IntArray
 from .arrays import MeshError
 from .arrays import PerVertex
 from .arrays import Vectors
@@ -22,6 +25,10 @@ from .sparsity import RingPattern
 from .topology import boundary_mask
 
 __all__ = ["CurvatureEquations"]
+
+RIGHT = 0.05  # negative cosine of an angle, from which its cell is that of an obtuse one whatever the shape
+
+Equations = TypeVar("Equations", bound="CurvatureEquations")
 
 
 class CurvatureEquations:
@@ -51,6 +58,8 @@ class CurvatureEquations:
     Paper, Eq. 10. Mixed areas: Meyer, Desbrun, Schroeder, Barr, doi:10.1007/978-3-662-05105-4_2.
     """
 
+    obtuse: IntArray = _kernels.AS_IT_IS  # (m,) corners where cells of faces are those of an obtuse angle
+
     def __init__(self, faces: Faces, targets: ArrayLike, rows: ArrayLike, columns: ArrayLike):
         # A copy: Numba would compile again for a read-only array.
         self.targets: PerVertex = np.array(targets, dtype=np.float64)
@@ -69,9 +78,23 @@ class CurvatureEquations:
 
     def measure(self, vertices: Vertices) -> tuple[FloatArray, FloatArray]:
         """Return the residuals [rad] and the mixed areas [L^2] at the rows, ``(k,)`` each, of a shape (n, 3)."""
-        angle, area = _kernels.angle_sums_and_areas(vertices, self.faces, _kernels.MIXED)
+        angle, area = _kernels.angle_sums_and_areas(vertices, self.faces, _kernels.MIXED, self.obtuse)
         area = area[self.rows]
         return 2 * math.pi - angle[self.rows] - self.targets[self.rows] * area, area
+
+    def with_cells_of(self: Equations, vertices: Vertices) -> Equations:
+        """Return the equations with the kinds of mixed cells that a shape (n, 3) has, whose areas are smooth functions of the shape.
+
+        Mixed areas of each shape's own cells have kinks where an angle passes 90 degrees. An angle a little beyond counts as right, so
+        that rounding does not decide on regular meshes.
+        """
+        edges = vertices[self.faces[:, [2, 0, 1]]] - vertices[self.faces[:, [1, 2, 0]]]
+        dots = -np.einsum("fax,fax->fa", edges[:, [1, 2, 0]], edges[:, [2, 0, 1]])
+        lengths = np.linalg.norm(edges, axis=2)
+        obtuse = dots < -RIGHT * lengths[:, [1, 2, 0]] * lengths[:, [2, 0, 1]]
+        other = copy.copy(self)
+        other.obtuse = np.where(obtuse.any(axis=1), obtuse.argmax(axis=1), _kernels.ACUTE)
+        return other
 
     def residual(self, vertices: Vertices) -> FloatArray:
         """Return ``defect_i - K̄_i A_i`` at the rows (k,) [rad] of a shape (n, 3)."""
@@ -101,10 +124,10 @@ class CurvatureEquations:
         slots, size = self.pattern.slots, self.pattern.size
         targets = self.targets if areas else np.zeros_like(self.targets)
         if directions is None:
-            return self.pattern.block_matrix(_derivatives.everywhere(vertices, self.faces, targets, slots, size))
+            return self.pattern.block_matrix(_derivatives.everywhere(vertices, self.faces, targets, self.obtuse, slots, size))
         moves = np.zeros((len(vertices), 3))
         moves[self.columns] = directions
-        return self.pattern.matrix(_derivatives.along(vertices, self.faces, targets, slots, size, moves))
+        return self.pattern.matrix(_derivatives.along(vertices, self.faces, targets, self.obtuse, slots, size, moves))
 
     def hessian(self, vertices: FloatArray, multipliers: FloatArray) -> CurvatureHessian:
         """Return the second derivative of the weighted sum of the defects.

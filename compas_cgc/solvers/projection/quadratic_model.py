@@ -17,7 +17,7 @@ from .vectors import dot
 __all__ = ["InnerStep", "QuadraticModel"]
 
 INNER = 40  # rounds of conjugate gradients in a step
-FINE, ROUGH = 1e-2, 1e-1  # residuals of the linear systems, at first and in the rounds
+FINE, ROUGH = 1e-2, 1e-3  # residuals of the linear systems, at first and in the rounds
 FORCING = 1e-1  # part of the squared gradient that a step leaves
 NO_BEND = 1e-6  # curvature along a direction, against the metric's, that is none
 

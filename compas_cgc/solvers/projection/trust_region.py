@@ -11,6 +11,7 @@ import numpy as np
 from ...discrete.jacobian import CurvatureEquations
 from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
+from .gauss_newton import descend
 from .iterate import Point
 from .linearised import Linearised
 from .quadratic_model import QuadraticModel
@@ -23,6 +24,7 @@ from .turning import Turning
 __all__ = ["refine"]
 
 MOST = 15  # steps
+CELLS = 3  # times that the kinds of cells are those of the shape that was found
 FIRST = 1e-2  # radius to begin with, against the root of the energy
 LITTLE, WELL = 0.1, 0.7  # parts of the promised decrease: too little, and enough for longer steps
 SHRINK, GROW = 0.25, 2.5
@@ -38,22 +40,42 @@ ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns i
 def refine(system: System, equations: CurvatureEquations, reached: Reached, enough: float = SETTLED) -> Generator[Taken, None, Reached]:
     """Take steps to the least energy, quadratically convergent and past saddles, until nothing moves any more.
 
-    The longest move that counts as none, against the size of the mesh, is `enough`.
-
-    Every step is one within the shapes that fulfil the linear equations, and a few moves back onto those that
-    fulfil them in truth.
+    The longest move that counts as none, against the size of the mesh, is `enough`. Mixed areas have kinks where angles pass 90
+    degrees, at which steps would not come to rest. So cells keep the kinds that they have on a shape, until these are those of the
+    shape that is found; the way from there to the equations as they are is short.
 
     Returns
     -------
     Reached
         Where nothing moves any more, or no step led any further.
+    """
+    for _ in range(CELLS):
+        kept = equations.with_cells_of(reached.point.vertices)
+        reached = yield from _refined(system, kept, reached, enough)
+        if np.array_equal(kept.obtuse, equations.with_cells_of(reached.point.vertices).obtuse):
+            break
+    own = reached.system or system
+    here = own.at(reached.point.vertices, equations)
+    for taken in descend(own, equations, here) if own.missing(here, equations) > ON else ():
+        here = own.at(taken.vertices, equations)
+        yield taken._replace(settled=False)
+        if own.missing(here, equations) <= ON:
+            break
+    return reached._replace(point=here)
+
+
+def _refined(system: System, equations: CurvatureEquations, reached: Reached, enough: float) -> Generator[Taken, None, Reached]:
+    """Take steps to the least energy for equations that are smooth functions of the shape.
+
+    Every step is one within the shapes that fulfil the linear equations, and a few moves back onto those that
+    fulfil them in truth.
 
     References
     ----------
     Conn, Gould and Toint, *Trust-Region Methods*, doi:10.1137/1.9780898719857.
     """
-    here, multipliers = reached.point, reached.multipliers
-    system = reached.system or system
+    system, multipliers = reached.system or system, reached.multipliers
+    here = system.at(reached.point.vertices, equations)
     radius, kept, before = 0.0, None, math.inf
     for _ in range(MOST):
         system = system.renewed(here, equations, multipliers)
