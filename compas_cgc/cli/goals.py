@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 from typing import Any
-from typing import Optional
 
 from ..errors import CGCError
+from ..model.goals.unknown_text import unknown_data
 
 __all__ = ["add_goals", "goals_of"]
 
@@ -29,7 +29,14 @@ def add_goals(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--below", action="append", default=[], metavar="Z", help="upper bound of the height")
     group.add_argument("--edges-in-plan", action="store_true", help="free edges keep their drawn lines in plan")
     group.add_argument("--level-edges", action="store_true", help="free edges keep their drawn lines in plan and stay level")
-    group.add_argument("--unknown", action="append", default=[], metavar="REGION|all", help="determine K of this region; repeatable")
+    group.add_argument(
+        "--unknown",
+        action="append",
+        default=[],
+        metavar="REGIONS",
+        help="determine K of these regions, such as 0,2 or all; '0,2 ratio + 0.01..0.05' keeps the ratio of the drawn values, the sign "
+        "and K within bounds; repeatable",
+    )
     group.add_argument("--goal", action="append", default=[], metavar="JSON", help='goal as JSON, such as \'{"kind": "rise", "rise": 4}\'')
     group.add_argument("--sensitivity", action="store_true", help="report how the surface changes with K")
 
@@ -60,8 +67,7 @@ def goals_of(arguments: argparse.Namespace, places: dict[str, Any]) -> list[dict
     goals += [{"kind": "edge in plan"}] if arguments.edges_in_plan else []
     goals += [{"kind": "level"}] if arguments.level_edges else []
     goals += [_parsed(text) for text in arguments.goal]
-    unknown = _unknown(arguments.unknown)
-    return goals if unknown is None else [*goals, {"kind": "unknown", "regions": unknown}]
+    return [*goals, *_unknown(arguments.unknown)]
 
 
 def _above(text: str, places: dict[str, Any]) -> dict[str, Any]:
@@ -101,13 +107,12 @@ def _parsed(text: str) -> dict[str, Any]:
     return data
 
 
-def _unknown(texts: list[str]) -> Optional[object]:
-    """Return the regions with unknown K, or None if all K are given."""
-    if not texts:
-        return None
-    if "all" in texts:
-        return "all"
+def _unknown(texts: list[str]) -> list[dict[str, Any]]:
+    """Return goals of unknown K; regions of which nothing else is said are one goal."""
     try:
-        return [int(part) for text in texts for part in text.split(",")]
-    except ValueError:
-        raise CGCError(f"--unknown must be the number of a region, or all, not {texts[0]!r}") from None
+        found = [unknown_data(text) for text in texts]
+    except ValueError as error:
+        raise CGCError(f"--unknown: {error}") from None
+    plain = [own["regions"] for own in found if len(own) == 2]
+    regions = "all" if "all" in plain else [region for own in plain for region in own]
+    return [*([{"kind": "unknown", "regions": regions}] if plain else []), *(own for own in found if len(own) > 2)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from collections.abc import Set
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,7 +49,7 @@ def _in_regions(goal: Constraint, new: dict[int, int]) -> list[Constraint]:
     """Return the goal with new numbers of its regions, or nothing if it names none of them."""
     if isinstance(goal, Unknown) and not isinstance(goal.regions, str):
         regions = [new[region] for region in goal.regions if region in new]
-        return [Unknown(regions)] if regions else []
+        return [replace(goal, regions=regions)] if regions else []
     if isinstance(goal, Clearance) and isinstance(goal.where, (int, np.integer)):
         return [goal.with_regions(new.__getitem__)] if int(goal.where) in new else []
     return [goal]

@@ -159,6 +159,18 @@ def _regions(value: object, name: str) -> Union[str, list[int]]:
     return ALL if value == ALL else _whole_numbers(value, f"{name} must be a list of regions, counted from 0, or 'all'")
 
 
+def _sign(value: object, name: str) -> int:
+    if isinstance(value, bool) or value not in (1, -1):
+        raise ValueError(f"{name} must be 1 or -1, not {value!r:.40}")
+    return int(value)
+
+
+def _bounds(value: object, name: str) -> list[float]:
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise ValueError(f"{name} must be two numbers, the least and the largest K")
+    return [_number(end, name) for end in value]
+
+
 def _vertices_or(*words: str) -> Callable[[object, str], object]:
     def read(value: object, name: str) -> object:
         if isinstance(value, str) and value in words:
@@ -224,6 +236,9 @@ _READERS: dict[str, Callable[[object, str], object]] = {
     "points": _points,
     "faces": _triangles,
     "regions": _regions,
+    "sign": _sign,
+    "bounds": _bounds,
+    "ratio": _truth,
     "where": _where,
     "closed": _truth,
     **dict.fromkeys(("height", "weight", "rise", "volume", "level", "area", "length", "distance"), _number),

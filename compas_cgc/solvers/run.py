@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from collections.abc import Iterable
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 from typing import Optional
 from typing import Union
@@ -20,6 +21,8 @@ from ..model.checks import check
 from ..model.checks import refuse
 from ..model.constraint_data import as_goals
 from ..model.constraints import Constraint
+from ..model.goals.binding import unknown_constants
+from ..model.goals.guess import drawn_constant
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import is_of_whole
 from ..model.problem import CGCProblem
@@ -44,6 +47,8 @@ from .selection import run_method
 from .settings import Settings
 
 __all__ = ["chosen_settings", "solve"]
+
+ROUNDED = 1e-9  # of a K that was found, by which it may pass its bounds
 
 
 def _instead(name: str) -> str:
@@ -157,6 +162,7 @@ def solve(
     solution = solved_on(surface, posed, own, chosen, of_real) if drawn is not None else None
     if solution is None:
         solution = _run(method, posed, chosen, of_real)
+    solution = _allowed(posed, solution)
     mesh = problem if isinstance(problem, CGCMesh) and targets is None and laws is None else None
     return SolveResult.from_solution(posed, solution, chosen, mesh, diagnostics)
 
@@ -168,6 +174,24 @@ def _found_for_goals(problem: CGCProblem) -> CGCProblem:
         return problem
     known = not np.isnan(problem.targets[problem.asked]).all() or problem.regions()[problem.real_faces].any()
     return problem if known else problem.with_goals([Unknown()])
+
+
+def _allowed(problem: CGCProblem, solution: Solution) -> Solution:
+    """Return a solution that is not converged where an unknown K was found that its goal does not allow."""
+    if solution.targets is None or solution.status != "converged":
+        return solution
+    found = problem.with_targets(solution.targets)
+    for constant in unknown_constants(problem):
+        for region in constant.regions:
+            K = drawn_constant(found, region)
+            drawn, goal = drawn_constant(problem, region), constant.goal
+            if goal.sign is None and goal.bounds is None and np.isfinite(drawn) and drawn:
+                goal = replace(goal, sign=int(np.sign(drawn)))
+            slack = ROUNDED * abs(K)
+            if region not in problem.laws and not goal.least - slack <= K <= goal.largest + slack:
+                said = f"the other goals ask for K = {K:.6g} in region {region}, which shall be {goal.words}; change one of them"
+                return solution._replace(status="infeasible", message=f"infeasible: {said}", verdict=None)
+    return solution
 
 
 def _unknown_regions(unknown: object) -> Union[str, list[int]]:

@@ -157,3 +157,24 @@ def test_leaving_the_areas_out_leaves_the_derivative_of_the_defects():
     vertices, equations = problem(0.45)
     bare = CurvatureEquations(equations.faces, np.zeros(len(vertices)), equations.rows, equations.columns)
     assert np.array_equal(equations.jacobian(vertices, areas=False).data, bare.jacobian(vertices).data)
+
+
+def test_cells_that_keep_their_kind_have_smooth_areas_beyond_a_right_angle():
+    faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
+    flat = np.array([[0.0, 0.0, 0.0], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
+    equations = CurvatureEquations(faces, np.ones(5), [0], [0, 1])
+    kept = equations.with_cells_of(flat)
+    move = np.zeros((5, 3))
+    move[1] = [0.0, -1.0, 0.0]
+
+    def slope(which, at):
+        return (which.jacobian(flat + at * move) @ move[[0, 1]].ravel()).item()
+
+    # The angle at the middle becomes obtuse: mixed areas have a kink, and areas of cells that keep their kind have none.
+    assert abs(slope(equations, 1e-6) - slope(equations, -1e-6)) > 1e-2
+    assert abs(slope(kept, 1e-6) - slope(kept, -1e-6)) < 1e-5
+    for at in (-0.2, 0.0, 0.2):
+        step = 1e-6
+        difference = (kept.residual(flat + (at + step) * move) - kept.residual(flat + (at - step) * move)) / (2.0 * step)
+        assert slope(kept, at) == pytest.approx(difference.item(), abs=1e-8)
+    assert np.array_equal(equations.residual(flat), kept.residual(flat))

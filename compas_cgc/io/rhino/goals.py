@@ -20,10 +20,11 @@ from ...model.goals.inequalities import Above
 from ...model.goals.inequalities import Below
 from ...model.goals.inequalities import Clearance
 from ...model.goals.inequalities import Within
-from ...model.goals.numbers import ALL
 from ...model.goals.numbers import in_plan
 from ...model.goals.places import EdgeInPlan
 from ...model.goals.places import Level
+from ...model.goals.unknown_text import unknown_data
+from ...model.goals.unknown_text import unknown_text
 from ...model.goals.wholes import Area
 from ...model.goals.wholes import Length
 from ...model.goals.wholes import Rise
@@ -103,7 +104,7 @@ def drawn_goal(goal: Constraint, vertices: FloatArray) -> Optional[Drawn]:
     if isinstance(goal, (Above, Below)) and isinstance(goal.vertices, str):
         return Drawn("", "point", top, None, {data["kind"]: repr(goal.height)})
     if isinstance(goal, Unknown):
-        return Drawn("", "point", top, None, {"unknown": ALL if isinstance(goal.regions, str) else ",".join(map(str, goal.regions))})
+        return Drawn("", "point", top, None, {"unknown": unknown_text(goal)})
     if isinstance(goal, Clearance) and not isinstance(goal.where, (int, np.integer)):
         return _closed(goal.outline(), goal.height, {"clearance": repr(goal.height)})
     if isinstance(goal, Within) and isinstance(goal.vertices, str):
@@ -119,8 +120,10 @@ def drawn_goal(goal: Constraint, vertices: FloatArray) -> Optional[Drawn]:
 def _data(item: Drawn, key: str, closed: bool, vertices: FloatArray, tolerance: float) -> dict[str, Any]:
     """Return one goal of an object as JSON data."""
     if key == "unknown":
-        text = item.text[key].strip()
-        return {"kind": "unknown", "regions": ALL if text.casefold() == ALL else _regions(text)}
+        try:
+            return unknown_data(item.text[key])
+        except ValueError as error:
+            raise ValueError(f"has the user text unknown = {item.text[key]!r}: {error}") from None
     if key in ("plan", "level") and item.kind != "curve":
         return {"kind": "edge in plan" if key == "plan" else "level"}
     if key in _AT_POINTS:
@@ -148,13 +151,6 @@ def _number(item: Drawn, key: str) -> float:
     if number is None:
         raise ValueError(f"has the user text {key} = {item.text[key]!r}; it must be a number")
     return number
-
-
-def _regions(text: str) -> list[int]:
-    try:
-        return [int(part) for part in text.replace(";", ",").split(",") if part.strip()]
-    except ValueError:
-        raise ValueError(f"has the user text unknown = {text!r}; it must be numbers of regions, or all") from None
 
 
 def _closed(line: FloatArray, height: float, text: dict[str, str]) -> Drawn:

@@ -42,12 +42,14 @@ __all__ = [
     "BoundGoals",
     "Equation",
     "Side",
+    "UnknownConstant",
     "bind",
     "equations_for_constants",
     "finds_constants",
     "has_constants",
     "held_by_newton",
     "support_height",
+    "unknown_constants",
     "unknown_regions",
 ]
 
@@ -130,27 +132,70 @@ def bind(problem: CGCProblem, named: Optional[Sequence[Constraint]] = None) -> B
     return BoundGoals(tuple(equations), tuple(places), tuple(sides))
 
 
+class UnknownConstant(NamedTuple):
+    """One number that a solve determines: the constant of a region, or the factor on the drawn constants of several."""
+
+    regions: tuple[int, ...]
+    goal: Unknown
+
+    @property
+    def is_factor(self) -> bool:
+        """Whether drawn constants keep their ratios."""
+        return len(self.regions) > 1
+
+
+def unknown_constants(problem: CGCProblem) -> list[UnknownConstant]:
+    """Return the unknown constants, ordered by their first regions.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such region, two goals say different things about one, or ratios of values that are not drawn are to be kept.
+    """
+    wanted = [own for own in problem.goals if isinstance(own, Unknown)]
+    if not wanted:
+        return []
+    count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
+    found: list[UnknownConstant] = []
+    named: dict[int, Unknown] = {}
+    for goal in wanted:
+        numbers = range(count) if isinstance(goal.regions, str) else dict.fromkeys(int(region) for region in goal.regions)
+        lost = [region for region in numbers if not 0 <= region < count]
+        if lost:
+            mend = f"name regions from 0 to {count - 1}, or 'all'"
+            raise ProblemError([f"the goal Unknown names region {lost[0]}, but the mesh has {count} region{'s' * (count != 1)}; {mend}"])
+        again = [region for region in numbers if region in named]
+        if any(replace(named[region], regions=ALL) != replace(goal, regions=ALL) for region in again):
+            raise ProblemError([f"two goals Unknown say different things about region {again[0]}; name it in one of them"])
+        new = tuple(region for region in numbers if region not in named)
+        named.update(dict.fromkeys(new, goal))
+        found += [UnknownConstant(regions, goal) for regions in ([new] if goal.ratio and new else [(region,) for region in new])]
+    for constant in found:
+        _check_constant(problem, constant)
+    return sorted(found, key=lambda constant: constant.regions)
+
+
+def _check_constant(problem: CGCProblem, constant: UnknownConstant) -> None:
+    of_law = [region for region in constant.regions if region in problem.laws]
+    if of_law and constant.goal.bounds is not None:
+        law = problem.laws[of_law[0]]
+        raise ProblemError([f"the bounds of the goal Unknown are of K, but region {of_law[0]} has the law {law}; leave the bounds out"])
+    for region in constant.regions if constant.is_factor else ():
+        law = problem.laws.get(region)
+        drawn = problem.targets[problem.region_vertices(region)] if law is None else np.array([law.constant or 0.0])
+        if not (np.isfinite(drawn).all() and drawn.all()):
+            raise ProblemError([f"the goal Unknown keeps ratios, but region {region} has no value other than 0; set its K, or ratio=False"])
+
+
 def unknown_regions(problem: CGCProblem) -> list[int]:
-    """Return the numbers of the regions with unknown K.
+    """Return the numbers of the regions with an unknown constant.
 
     Raises
     ------
     ProblemError
         If there is no such region.
     """
-    wanted = [own.regions for own in problem.goals if isinstance(own, Unknown)]
-    if not wanted:
-        return []
-    count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
-    found: set[int] = set()
-    for regions in wanted:
-        numbers = range(count) if isinstance(regions, str) else [int(region) for region in regions]
-        lost = [region for region in numbers if not 0 <= region < count]
-        if lost:
-            mend = f"name regions from 0 to {count - 1}, or 'all'"
-            raise ProblemError([f"the goal Unknown names region {lost[0]}, but the mesh has {count} region{'s' * (count != 1)}; {mend}"])
-        found.update(numbers)
-    return sorted(found)
+    return sorted(region for constant in unknown_constants(problem) for region in constant.regions)
 
 
 def support_height(problem: CGCProblem) -> float:
@@ -327,15 +372,15 @@ def _height_at(height: float, vertex: int) -> Equation:
 def finds_constants(problem: CGCProblem) -> bool:
     """Check whether unknown constants, K or those of laws, alone can meet the goals.
 
-    All goals are then heights of vertices or quantities of the whole surface, at most one for each region with an unknown constant,
-    whose sign is drawn. The sign of a single undrawn K is that of a dome.
+    All goals are then heights of vertices or quantities of the whole surface, at most one for each unknown constant, whose sign is
+    drawn. The sign of a single undrawn K is that of a dome.
     """
-    unknown, bound = unknown_regions(problem), bind(problem)
+    unknown, bound = unknown_constants(problem), bind(problem)
     if bound.sides or (problem.roles == DUMMY).any() or not all(isinstance(own, Height) for own in bound.places):
         return False
     if not 0 < len(equations_for_constants(problem)) <= len(unknown):
         return False
-    return has_constants(problem) or (len(unknown) == 1 and unknown[0] not in problem.laws)
+    return has_constants(problem) or (len(unknown) == 1 and unknown[0].regions[0] not in problem.laws)
 
 
 def has_constants(problem: CGCProblem) -> bool:

@@ -1,4 +1,4 @@
-"""Initial guess of an unknown K."""
+"""Initial guess of unknown K, and the factors on it that signs and bounds allow."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ import numpy as np
 
 from ...discrete import face_areas
 from ...discrete import face_normals
+from ...errors import ProblemError
 from ..constraints import CROWN
 from ..constraints import Height
 from ..problem import CGCProblem
 from ..roles import FIXED
+from .binding import UnknownConstant
 from .binding import support_height
-from .binding import unknown_regions
+from .binding import unknown_constants
 from .inequalities import Above
 from .inequalities import Clearance
 from .measures import length
@@ -23,7 +25,7 @@ from .wholes import Length
 from .wholes import Rise
 from .wholes import Volume
 
-__all__ = ["guessed"]
+__all__ = ["allowed", "drawn_constant", "factors", "guessed"]
 
 LOW_RISE = 0.1  # rise over radius of a cap whose goals give no height
 RISE_OVER_MEAN_HEIGHT = 1.6  # rise of a cap over its mean height (volume / plan area)
@@ -33,20 +35,68 @@ def guessed(problem: CGCProblem) -> CGCProblem:
     """Return the problem with an initial guess for unknown K.
 
     The guess is the K of a spherical cap with the height that the goals imply, or else the given target.
+
+    Raises
+    ------
+    ProblemError
+        If no factor on drawn values keeps all of them within their bounds.
     """
-    unknown = unknown_regions(problem)
+    unknown = unknown_constants(problem)
     if not unknown:
         return problem
     targets = problem.targets.copy()
     K = _cap(problem)
-    for region in unknown:
-        own = problem.region_vertices(region)
+    for constant in unknown:
+        own = np.any([problem.region_vertices(region) for region in constant.regions], axis=0)
         given = targets[own & np.isfinite(targets)]
-        sign = -1.0 if len(given) and given.mean() < 0.0 else 1.0
-        if K > 0.0:
-            targets[own] = sign * K
+        if K > 0.0 and constant.is_factor and constant.regions[0] not in problem.laws:
+            targets[own] *= K / np.abs(given).mean()
+        elif K > 0.0:
+            targets[own] = -K if len(given) and given.mean() < 0.0 else K
         targets[own & ~np.isfinite(targets)] = given.mean() if len(given) else 0.0
+    return allowed(replace(problem, targets=targets))
+
+
+def allowed(problem: CGCProblem) -> CGCProblem:
+    """Return the problem with drawn values of unknown K whose signs and sizes its goals allow.
+
+    Raises
+    ------
+    ProblemError
+        If no factor on drawn values keeps all of them within their bounds.
+    """
+    targets = problem.targets.copy()
+    for constant in unknown_constants(problem):
+        for region in constant.regions:
+            own = problem.region_vertices(region)
+            targets[own] = targets[own] if constant.goal.sign is None else constant.goal.sign * np.abs(targets[own])
+        low, high = factors(replace(problem, targets=targets), constant)
+        if not low <= high:
+            regions = f"region{'s' * constant.is_factor} {', '.join(map(str, constant.regions))}"
+            raise ProblemError([f"K of {regions} cannot be {constant.goal.words}; draw values of that sign, or change the bounds"])
+        own = np.any([problem.region_vertices(region) for region in constant.regions], axis=0)
+        targets[own] *= min(max(1.0, low), high)
     return replace(problem, targets=targets)
+
+
+def factors(problem: CGCProblem, constant: UnknownConstant) -> tuple[float, float]:
+    """Return the least and the largest factor on the drawn values of an unknown constant that its bounds allow."""
+    low, high = 0.0, math.inf
+    for region in constant.regions:
+        drawn = drawn_constant(problem, region)
+        if region in problem.laws or not np.isfinite(drawn) or drawn == 0.0:
+            continue
+        ends = sorted([constant.goal.least / drawn, constant.goal.largest / drawn])
+        low, high = max(low, ends[0]), min(high, ends[1])
+    return low, high
+
+
+def drawn_constant(problem: CGCProblem, region: int) -> float:
+    """Return the K that is drawn in a region, NaN without any [1/L^2]; vertices on its rim may have that of another region."""
+    within = problem.region_vertices(region)
+    inside = within & problem.asked
+    drawn = problem.targets[inside if inside.any() else within]
+    return float(drawn[0]) if len(drawn) else math.nan
 
 
 def _cap(problem: CGCProblem) -> float:

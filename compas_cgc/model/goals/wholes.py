@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import Union
 
 from ..constraints import Constraint
 from ..constraints import Height
+from ..given import checked_number
 from ..motion import Motion
 from .numbers import ALL
 from .numbers import check_finite
@@ -159,19 +161,63 @@ class Unknown(Constraint):
     ----------
     regions
         Numbers of regions, or ``"all"``.
+    ratio
+        Whether the regions keep the ratios of their drawn values, so that they are one unknown.
+    sign
+        1 or -1: the sign that K must have. Default: that of the drawn value.
+    bounds
+        The least and the largest K allowed [1/L^2].
 
     Examples
     --------
     >>> from compas_cgc import Unknown
     >>> Unknown([0, 2]).regions
     [0, 2]
+    >>> Unknown([0, 2], ratio=True, bounds=[0.01, 0.05]).least
+    0.01
     """
 
     regions: Union[str, Sequence[int]] = ALL
+    ratio: bool = False
+    sign: Optional[int] = None
+    bounds: Optional[Sequence[float]] = None
 
     def __post_init__(self) -> None:
         if isinstance(self.regions, str) and self.regions != ALL:
             raise ValueError(f"regions of unknown K must be their numbers or 'all', not {self.regions!r}")
+        if self.sign not in (None, 1, -1):
+            raise ValueError(f"the sign of an unknown K must be 1 or -1, not {self.sign!r}")
+        if self.bounds is not None:
+            ends = [checked_number(end, "every bound of K") for end in self.bounds]
+            if len(ends) != 2 or not -math.inf < ends[0] < ends[1] < math.inf:
+                raise ValueError(
+                    f"bounds of an unknown K must be its least and its largest value, such as [0.01, 0.05], not {self.bounds!r}"
+                )
+        if not self.least < self.largest:
+            raise ValueError(f"the bounds {self.bounds!r} of an unknown K leave no K of the sign {self.sign}")
+
+    @property
+    def least(self) -> float:
+        """The least K allowed [1/L^2]."""
+        low = -math.inf if self.bounds is None else float(self.bounds[0])
+        return max(low, 0.0) if self.sign == 1 else low
+
+    @property
+    def largest(self) -> float:
+        """The largest K allowed [1/L^2]."""
+        high = math.inf if self.bounds is None else float(self.bounds[1])
+        return min(high, 0.0) if self.sign == -1 else high
+
+    @property
+    def words(self) -> str:
+        """The values allowed, in words."""
+        if math.isinf(self.largest):
+            return f"at least {self.least:.6g}"
+        return f"at most {self.largest:.6g}" if math.isinf(self.least) else f"between {self.least:.6g} and {self.largest:.6g}"
+
+    def transformed(self, motion: Motion) -> Unknown:
+        """Return the bounds after a motion."""
+        return self if self.bounds is None else replace(self, bounds=[motion.measure(end, -2) for end in self.bounds])
 
     def with_regions(self, number: Callable[[int], int]) -> Unknown:
         """Return the goal with other numbers of its regions."""

@@ -17,8 +17,12 @@ from ...model.goals.binding import Equation
 from ...model.goals.binding import equations_for_constants
 from ...model.goals.binding import finds_constants
 from ...model.goals.binding import has_constants
+from ...model.goals.binding import unknown_constants
 from ...model.goals.binding import unknown_regions
 from ...model.goals.contradictions import refuse_impossible
+from ...model.goals.guess import allowed
+from ...model.goals.guess import drawn_constant
+from ...model.goals.guess import factors
 from ...model.goals.guess import guessed
 from ...model.goals.names import listed
 from ...model.goals.wholes import Rise
@@ -43,7 +47,7 @@ FLAT = 1e-12  # derivatives of the goals by the logarithms, relative to the size
 class _Here(NamedTuple):
     """A surface for some constants, and by how much it misses the goals."""
 
-    logs: FloatArray  # (k,) log of the constant over that drawn, by unknown region
+    logs: FloatArray  # (k,) log of the constant over that drawn
     solution: Solution
     missing: FloatArray  # (e,) values less those wanted, over the power of the size
 
@@ -86,7 +90,10 @@ class _Seeker:
         self.settings, self.callback = settings, callback
         self.equations: list[Equation] = equations_for_constants(problem)
         self.size = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()))
-        drawn = problem if has_constants(problem) else guessed(problem)
+        drawn = allowed(problem) if has_constants(problem) else guessed(problem)
+        self.unknown = unknown_constants(problem)
+        with np.errstate(divide="ignore"):
+            self.bounds = np.log(np.array([factors(drawn, constant) for constant in self.unknown])).T
         drawn = replace(drawn, goals=())
         self.problem, self.below = drawn, _is_against_normals(problem)
         self.numbers = unknown_regions(problem)
@@ -121,12 +128,12 @@ class _Seeker:
 
     def _first(self) -> _Here:
         """Return a surface for the constants drawn, or for smaller ones if there is none."""
-        logs = np.zeros(len(self.numbers))
+        logs = np.zeros(len(self.unknown))
         here = self._at(logs, None)
         for _ in range(FIRST):
             if here.solution.status in ("converged", "cancelled"):
                 break
-            logs = logs - LONGEST
+            logs = np.maximum(logs - LONGEST, self.bounds[0])
             here = self._at(logs, None)
         return here
 
@@ -134,9 +141,20 @@ class _Seeker:
         """Return the changes of the logarithms (k,) by Newton's method, zero where goals do not depend on them, and the moves (n, 3)."""
         posed, V = self._rising(here.logs), here.solution.vertices
         moves = moves_by_constants(posed, self.settings, V, self.numbers)
-        by_log = [moves[number] * constant for number, (_, constant) in zip(self.numbers, self._constants(posed))]
+        by_region = {number: moves[number] * constant for number, (_, constant) in zip(self.numbers, self._constants(posed))}
+        by_log = [np.sum([by_region[region] for region in own.regions], axis=0) for own in self.unknown]
         J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
-        change = -np.linalg.pinv(J) @ here.missing if np.abs(J).max() > FLAT else np.zeros(len(by_log))
+        change = np.zeros(len(by_log))
+        if np.abs(J).max() > FLAT:
+            inside, least, largest = np.ones(len(change), bool), *(self.bounds - here.logs)
+            while inside.any():
+                # Constants that would pass a bound stop there, and the others make up for it.
+                change[inside] = -np.linalg.pinv(J[:, inside]) @ (here.missing + J[:, ~inside] @ change[~inside])
+                beyond = inside & ((change < least) | (change > largest))
+                if not beyond.any():
+                    break
+                change[beyond] = np.clip(change, least, largest)[beyond]
+                inside &= ~beyond
         return change, by_log
 
     def _landed(self, here: _Here) -> _Here:
@@ -166,13 +184,14 @@ class _Seeker:
         return None
 
     def _posed(self, logs: FloatArray) -> CGCProblem:
-        targets, laws = self.problem.targets.copy(), dict(self.problem.laws)
-        for log, number in zip(logs.tolist(), self.numbers):
-            if number in laws:
-                laws[number] = laws[number].with_constant(_constant(laws[number]) * math.exp(log))
-            else:
-                targets[self.problem.region_vertices(number)] *= math.exp(log)
-        return replace(self.problem, targets=targets, laws=laws)
+        factor, laws = np.ones(len(self.problem.targets)), dict(self.problem.laws)
+        for log, constant in zip(logs.tolist(), self.unknown):
+            for number in constant.regions:
+                if number in laws:
+                    laws[number] = laws[number].with_constant(_constant(laws[number]) * math.exp(log))
+                else:
+                    factor[self.problem.region_vertices(number)] = math.exp(log)
+        return replace(self.problem, targets=factor * self.problem.targets, laws=laws)
 
     def _rising(self, logs: FloatArray) -> CGCProblem:
         """Return the problem with normals on the side to which the surface is to rise."""
@@ -183,7 +202,7 @@ class _Seeker:
         """Return the names and values of the unknown constants."""
         found = []
         for number in self.numbers:
-            law = posed.laws.get(number) or ConstantCurvature(float(posed.targets[posed.region_vertices(number)][0]))
+            law = posed.laws.get(number) or ConstantCurvature(drawn_constant(posed, number))
             found.append((law.constant_name, _constant(law)))
         return found
 
@@ -225,7 +244,9 @@ class _Seeker:
     def _unreachable(self, here: _Here) -> str:
         name, value = self._constants(self.problem)[0]
         sign = f"{name} {'>' if value > 0.0 else '<'} 0"
-        mend = f"prescribe a value that is reached, or draw {name} with the other sign"
+        stopped = here.logs[:, None] == self.bounds.T
+        other = "or widen its bounds" if stopped.any() else f"or draw {name} with the other sign"
+        mend = f"prescribe a value that is reached, {other}"
         return f"no surface over these supports with {sign} meets the goals: {self._reached(here)}; {mend}"
 
 

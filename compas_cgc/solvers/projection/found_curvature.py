@@ -22,7 +22,7 @@ class CommonPart(NamedTuple):
     The projector ``r_i - A_i (sum r / sum A)`` over a group. Its transpose takes from multipliers their mean, weighed by areas.
     """
 
-    areas: FloatArray  # (k,)
+    areas: FloatArray  # (k,) times the drawn K, where these keep their ratios
     group: IntArray  # (k,) number of the unknown K, -1 where it is given
     groups: int
 
@@ -56,13 +56,24 @@ class FoundCurvature(CurvatureEquations):
         As of :class:`~compas_cgc.discrete.jacobian.CurvatureEquations`; targets of unknown K are first guesses.
     group
         ``(k,)`` number of the unknown K of every row, -1 where K is given.
+    rates
+        ``(k,)`` K of the rows per unknown: 1, or the drawn K where a group keeps the ratios of these.
     counting
         ``(k,)`` rows that count in the sums; of mirrored equations one of each is enough.
     """
 
-    def __init__(self, faces: IntArray, targets: FloatArray, rows: IntArray, columns: IntArray, group: IntArray, counting: IntArray):
+    def __init__(
+        self,
+        faces: IntArray,
+        targets: FloatArray,
+        rows: IntArray,
+        columns: IntArray,
+        group: IntArray,
+        rates: FloatArray,
+        counting: IntArray,
+    ):
         super().__init__(faces, targets, rows, columns)
-        self.group, self._counting = group, counting
+        self.group, self.rates, self._counting = group, rates, counting
         self.count = int(group.max(initial=-1)) + 1
 
     def measure(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -96,11 +107,11 @@ class FoundCurvature(CurvatureEquations):
 
     def common(self, areas: FloatArray, leading: IntArray) -> CommonPart:
         """Return the common part of the leading ones of the equations, of a shape with areas (k,)."""
-        return CommonPart(areas[leading], self.group[leading], self.count)
+        return CommonPart((self.rates * areas)[leading], self.group[leading], self.count)
 
     def _shift(self, residual: FloatArray, areas: FloatArray) -> FloatArray:
-        part = CommonPart(areas[self._counting], self.group[self._counting], self.count)
+        part = self.common(areas, self._counting)
         return part.sums(residual[self._counting]) / part.sums(part.areas)
 
     def _of_rows(self, values: FloatArray) -> FloatArray:
-        return np.where(self.group >= 0, np.append(values, 0.0)[self.group], 0.0)
+        return np.where(self.group >= 0, self.rates * np.append(values, 0.0)[self.group], 0.0)

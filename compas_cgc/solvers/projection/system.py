@@ -27,8 +27,9 @@ from ...linalg.work import rights
 from ...meshing.regions import vertex_labels
 from ...model.constraints import Mirror
 from ...model.goals.binding import BoundGoals
+from ...model.goals.binding import UnknownConstant
 from ...model.goals.binding import bind
-from ...model.goals.binding import unknown_regions
+from ...model.goals.binding import unknown_constants
 from ...model.measures import read_across
 from ...model.problem import CGCProblem
 from .bordered import Bordered
@@ -137,13 +138,13 @@ class System:
 
         self._fairness = fairness
         self.keep, self.fairness = self._kept(V) if kept is None else (kept.keep, fairness(*kept))
-        group = _groups(problem, unknown_regions(problem) if found else [], symmetries)[self.rows]
+        group, rates = (values[self.rows] for values in _groups(problem, unknown_constants(problem) if found else [], symmetries))
         if (group >= 0).any():
             group = np.where(group >= 0, np.unique(group, return_inverse=True)[1] - int((group < 0).any()), -1)
 
         def curvature_equations(faces: IntArray) -> CurvatureEquations:
             if (group >= 0).any():
-                return FoundCurvature(faces, problem.targets, self.rows, self.columns, group, leading)
+                return FoundCurvature(faces, problem.targets, self.rows, self.columns, group, rates, leading)
             return CurvatureEquations(faces, problem.targets, self.rows, self.columns)
 
         self._equations, across = curvature_equations(F), read_across(problem)
@@ -374,13 +375,19 @@ def _for(equations: CurvatureEquations, targets: FloatArray) -> CurvatureEquatio
     return other
 
 
-def _groups(problem: CGCProblem, unknown: list[int], symmetries: Sequence[Image]) -> IntArray:
-    """Return the number of the unknown K at every vertex, -1 where it is given (n,); regions that are images share theirs."""
-    group = np.full(len(problem.vertices), -1)
-    for number, region in enumerate(unknown):
-        group[problem.region_vertices(region) & (group < 0)] = number
+def _groups(problem: CGCProblem, unknown: list[UnknownConstant], symmetries: Sequence[Image]) -> tuple[IntArray, FloatArray]:
+    """Return the number of the unknown K at every vertex, -1 where it is given, and K there per unknown (n,).
+
+    Regions that are images share their number.
+    """
+    group, rates = np.full(len(problem.vertices), -1), np.ones(len(problem.vertices))
+    for number, constant in enumerate(unknown):
+        for region in constant.regions:
+            own = problem.region_vertices(region) & (group < 0)
+            group[own] = number
+            rates[own] = problem.targets[own] if constant.is_factor else 1.0
     for image in symmetries[1:]:
         both = (group >= 0) & (group[image.to] >= 0)
         for one, other in np.unique(np.column_stack([group, group[image.to]])[both], axis=0).tolist():
             group[group == max(one, other)] = min(one, other)
-    return group
+    return group, rates

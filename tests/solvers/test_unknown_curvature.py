@@ -1,0 +1,130 @@
+"""Unknown K with a sign, within bounds, and in the ratios that are drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import OnPlane
+from compas_cgc import ProblemError
+from compas_cgc import Rise
+from compas_cgc import Unknown
+from compas_cgc import Volume
+from compas_cgc import solve
+from compas_cgc.model.constraint_data import constraint_of
+from compas_cgc.model.goals.unknown_text import unknown_data
+from compas_cgc.model.goals.unknown_text import unknown_text
+
+N = 12
+
+
+def halves(supports="corners", drawn=(0.02, 0.04)):
+    """Return a square with a crease along the middle and two drawn K."""
+    mesh = CGCMesh.from_meshgrid(dx=6.0, nx=N)
+    mesh.set_supports(supports)
+    mesh.set_creases([[N // 2 * (N + 1) + i for i in range(N + 1)]])
+    for region, K in enumerate(drawn):
+        mesh.set_target(K, region=region)
+    return mesh
+
+
+def found(*goals, **options):
+    result = solve(halves(**options), goals=goals)
+    return result, result.problem.region_targets()
+
+
+@pytest.mark.parametrize("supports", ["corners", "boundary"])
+def test_a_ratio_is_kept(supports):
+    result, (first, second) = found(Rise(0.5), Unknown([0, 1], ratio=True), supports=supports)
+    assert result.converged and result.verdict.fair and second == pytest.approx(2.0 * first, rel=1e-12)
+    assert result.vertices[:, 2].max() == pytest.approx(0.5, abs=1e-9)
+
+
+def test_a_ratio_leaves_one_unknown_for_one_goal():
+    with pytest.raises(ProblemError, match="at most one for each region of unknown K"):
+        solve(halves(), method="bending", goals=[Rise(0.5), Volume(9.0), Unknown([0, 1], ratio=True)])
+
+
+def test_what_stops_at_a_bound_is_made_up_for_by_the_others():
+    free = found(Rise(1.0), Unknown([0, 1]))[1]
+    low = 0.5 * free[1]
+    result, bounded = found(Rise(1.0), Unknown([0]), Unknown([1], bounds=[0.001, low]))
+    assert result.converged and bounded[1] <= low * (1.0 + 1e-9) and bounded[0] > 1.2 * free[0]
+    assert result.vertices[:, 2].max() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_bounds_that_leave_no_surface_are_named():
+    result, K = found(Rise(1.0), Unknown([0, 1], ratio=True, bounds=[0.001, 0.01]))
+    assert result.status == "infeasible" and "widen its bounds" in result.message and K[1] <= 0.01 * (1.0 + 1e-9)
+
+
+def test_the_sign_may_be_other_than_drawn():
+    result, K = found(Rise(0.3), Unknown([0, 1], ratio=True, sign=1), drawn=(-0.02, -0.04))
+    assert result.converged and min(K) > 0.0
+
+
+def test_projection_keeps_ratios_too():
+    mesh = CGCMesh.from_meshgrid(dx=6.0, nx=8)
+    mesh.set_supports("corners")
+    mesh.set_creases([[4 * 9 + i for i in range(9)]])
+    mesh.set_target(0.01, region=0)
+    mesh.set_target(0.03, region=1)
+    at = [4 * 9 + i for i in range(9)]
+    result = solve(mesh, goals=[Rise(0.5), Unknown([0, 1], ratio=True), OnPlane(at, (3, 0, 0), (1, 0, 0))])
+    first, second = result.problem.region_targets()
+    assert result.method == "projection" and result.converged and first > 0.0
+    assert second == pytest.approx(3.0 * first, rel=1e-9)
+
+
+def test_a_sign_that_other_goals_do_not_allow_is_no_result():
+    mesh = halves("boundary")
+    at = [list(mesh.vertices()).index(v) for v in mesh.creases()[0][1:-1]]
+    result = solve(mesh, goals=[Rise(0.5), Unknown([0, 1], ratio=True), OnPlane(at, (3, 0, 0), (1, 0, 0))])
+    K = np.array(result.problem.region_targets())
+    assert (result.converged and (K > 0.0).all()) or (result.status == "infeasible" and "shall be at least 0" in result.message)
+
+
+@pytest.mark.parametrize(
+    "goals, words",
+    [
+        ([Unknown([0]), Unknown([0, 1], ratio=True)], "two goals Unknown say different things about region 0"),
+        ([Unknown([0, 1], ratio=True, bounds=[0.01, 0.015])], "K of regions 0, 1 cannot be between 0.01 and 0.015"),
+    ],
+)
+def test_what_cannot_be_is_said_before_the_solve(goals, words):
+    with pytest.raises(ProblemError, match=words):
+        solve(halves(), goals=[Rise(0.5), *goals])
+
+
+@pytest.mark.parametrize(
+    "values, words",
+    [
+        ({"sign": 2}, "must be 1 or -1"),
+        ({"bounds": [0.2, 0.1]}, "its least and its largest"),
+        ({"bounds": [0.1]}, "its least and its largest"),
+        ({"bounds": [-0.2, -0.1], "sign": 1}, "leave no K of the sign 1"),
+    ],
+)
+def test_values_that_make_no_sense(values, words):
+    with pytest.raises(ValueError, match=words):
+        Unknown([0], **values)
+
+
+@pytest.mark.parametrize("goal", [Unknown(), Unknown([0, 2], ratio=True), Unknown([1], sign=-1), Unknown("all", True, 1, [0.01, 0.05])])
+def test_text_there_and_back(goal):
+    assert constraint_of(unknown_data(unknown_text(goal))) == goal
+
+
+@pytest.mark.parametrize("text", ["", "a", "0 ration", "0 0.1...2x"])
+def test_text_that_reads_otherwise(text):
+    with pytest.raises(ValueError, match="unknown K cannot be"):
+        constraint_of(unknown_data(text))
+
+
+def test_bounds_scale_with_the_mesh():
+    from compas.geometry import Scale
+
+    mesh = halves()
+    mesh.set_goals([Rise(0.5), Unknown([0, 1], bounds=[0.001, 0.05])])
+    assert mesh.transformed(Scale.from_factors([10.0] * 3)).goals()[1].bounds == pytest.approx([1e-5, 5e-4])
