@@ -11,7 +11,6 @@ import numpy as np
 from ...discrete.jacobian import CurvatureEquations
 from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
-from .gauss_newton import descend
 from .iterate import Point
 from .linearised import Linearised
 from .quadratic_model import QuadraticModel
@@ -41,7 +40,7 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached, enou
     """Take steps to the least energy, quadratically convergent and past saddles, until nothing moves any more.
 
     The longest move that counts as none, against the size of the mesh, is `enough`. Mixed areas have kinks where angles pass 90
-    degrees, at which steps would not come to rest. So cells keep the kinds that they have on a shape, until these are those of the
+    degrees, at which steps do not come to rest. Then cells keep the kinds that they have on a shape, until these are those of the
     shape that is found; the way from there to the equations as they are is short.
 
     Returns
@@ -49,23 +48,22 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached, enou
     Reached
         Where nothing moves any more, or no step led any further.
     """
-    for _ in range(CELLS):
+    reached, settled = yield from _refined(system, equations, reached, enough)
+    own = reached.system or system
+    for _ in range(0 if settled else CELLS):
         kept = equations.with_cells_of(reached.point.vertices)
-        reached = yield from _refined(system, kept, reached, enough)
+        reached, settled = yield from _refined(own, kept, reached, enough)
+        own = reached.system or system
+        reached = reached._replace(point=_closed(own, equations, own.at(reached.point.vertices, equations)))
         if np.array_equal(kept.obtuse, equations.with_cells_of(reached.point.vertices).obtuse):
             break
-    own = reached.system or system
-    here = own.at(reached.point.vertices, equations)
-    for taken in descend(own, equations, here) if own.missing(here, equations) > ON else ():
-        here = own.at(taken.vertices, equations)
-        yield taken._replace(settled=False)
-        if own.missing(here, equations) <= ON:
-            break
-    return reached._replace(point=here)
+    return reached
 
 
-def _refined(system: System, equations: CurvatureEquations, reached: Reached, enough: float) -> Generator[Taken, None, Reached]:
-    """Take steps to the least energy for equations that are smooth functions of the shape.
+def _refined(
+    system: System, equations: CurvatureEquations, reached: Reached, enough: float
+) -> Generator[Taken, None, tuple[Reached, bool]]:
+    """Take steps to the least energy for equations that are smooth functions of the shape; return where, and whether it is at rest.
 
     Every step is one within the shapes that fulfil the linear equations, and a few moves back onto those that
     fulfil them in truth.
@@ -82,7 +80,7 @@ def _refined(system: System, equations: CurvatureEquations, reached: Reached, en
         linear = system.linearised(here, equations, kept)
         model = QuadraticModel(system, equations, linear, here, multipliers)
         if model.energy <= FLAT:
-            break
+            return Reached(here, multipliers, system), True
         kept = linear.kept
         scale = math.sqrt(max(model.energy, 0.0))
         radius = radius or max(model.slope, FIRST * scale)
@@ -103,7 +101,7 @@ def _refined(system: System, equations: CurvatureEquations, reached: Reached, en
                 break
             radius = SHRINK * min(radius, step.length)
             if not radius > SETTLED * scale:
-                return Reached(here, multipliers, system)
+                return Reached(here, multipliers, system), False
         if ratio > WELL and not step.inside:
             radius *= GROW
         moved = float(np.abs(there.vertices - here.vertices).max(initial=0.0)) / system.size
@@ -111,15 +109,17 @@ def _refined(system: System, equations: CurvatureEquations, reached: Reached, en
         # Where K is found there can be directions in which all is as fair, and to wander along them leads nowhere.
         aimless = pointless and isinstance(equations, FoundCurvature) and moved > AIMLESS * before
         if aimless and system.missing(there, equations) > system.missing(here, equations):
-            break
+            return Reached(here, multipliers, system), True
         here, multipliers = there, step.multipliers
         settled = step.inside and moved * max(step.left, moved) <= enough
         settled = settled and system.renewed(here, equations, multipliers).contact.same(system.contact)
         yield Taken(here.vertices, 1.0, trials, settled)
-        if settled or aimless or (trials > 1 and pointless):
+        if settled or aimless:
+            return Reached(here, multipliers, system), True
+        if trials > 1 and pointless:
             break
         before = moved
-    return Reached(here, multipliers, system)
+    return Reached(here, multipliers, system), False
 
 
 def _nearer(system: System, equations: CurvatureEquations, here: Point, there: Point) -> bool:
@@ -131,12 +131,25 @@ def _returned(system: System, equations: CurvatureEquations, linear: Linearised,
     """Return the shape after a move in the free directions (q,) and back onto the equations, None if that is too far."""
     turning = Turning(system, here.vertices)
     there = system.at(system.settled(here.vertices + system.full(linear.landing(move))), equations)
-    for _ in range(BACK):
-        if system.missing(there, equations) <= ON or not turning.allows(there.vertices):
-            break
-        nearer = corrected(system, equations, linear, there, np.zeros(len(there.residual)))
-        if not system.missing(nearer, equations) < 0.5 * system.missing(there, equations):
-            break
-        there = nearer
+    there = _closed(system, equations, there, linear, turning)
     near = system.missing(there, equations) <= max(NEAR, 0.5 * system.missing(here, equations))
     return there if near and turning.allows(there.vertices) else None
+
+
+def _closed(
+    system: System,
+    equations: CurvatureEquations,
+    point: Point,
+    linear: Optional[Linearised] = None,
+    turning: Optional[Turning] = None,
+) -> Point:
+    """Return the shape after a few moves onto the equations, by their derivatives at a shape nearby or at this one."""
+    linear, turning = linear or system.linearised(point, equations), turning or Turning(system, point.vertices)
+    for _ in range(BACK):
+        if system.missing(point, equations) <= ON or not turning.allows(point.vertices):
+            break
+        nearer = corrected(system, equations, linear, point, np.zeros(len(point.residual)))
+        if not system.missing(nearer, equations) < 0.5 * system.missing(point, equations):
+            break
+        point = nearer
+    return point
