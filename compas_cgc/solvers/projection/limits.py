@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import fields
 from dataclasses import replace
 from typing import Any
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -33,7 +34,7 @@ from ...model.problem import CGCProblem
 from ...model.result import Solution
 from ...model.verdict import verdict
 
-__all__ = ["limit"]
+__all__ = ["Most", "limit"]
 
 KINDS = (Height, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
 HALVINGS = 6
@@ -42,11 +43,18 @@ FAR = 8.0  # quotient of numbers of other sizes
 Solve = Callable[[CGCProblem, Optional[FloatArray]], Solution]  # from a shape (n, 3), if there is one
 
 
-def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str]:
-    """Return a sentence on how much can be had of the first goal that a solution misses, None where that cannot be told.
+class Most(NamedTuple):
+    """The most that can be had of a goal."""
+
+    words: str
+    solution: Optional[Solution] = None  # with all that was asked for, where surfaces with less of it lead there
+
+
+def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Most]:
+    """Return how much can be had of the first goal that a solution misses, None where that cannot be told.
 
     The surface without the goal is solved first; between what it has and what is asked for the most that can be met is
-    looked for by halving. Where that surface is fair, so is the one with the most.
+    looked for by halving, each from the surface before. Where the first surface is fair, so is the one with the most.
 
     Parameters
     ----------
@@ -64,7 +72,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
     without = problem.with_goals(problem.goals[:missed] + problem.goals[missed + 1 :], add=False)
     free = found = solve(without, None)
     if free.status != "converged":
-        return f"without {goal_name(goal)} the rest cannot be met either"
+        return Most(f"without {goal_name(goal)} the rest cannot be met either")
     had = _had(problem, goal, free)
     others = [own for own in without.goals if _able(own)]
     beside = f" with {listed([goal_name(own) for own in others])}" if others else _carrying(problem, goal, had)
@@ -88,7 +96,9 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
             most = middle
     # Less of a goal is a part of it, and more is not.
     more = abs(met) > abs(float(getattr(goal, number)))
-    return f"{'instead of' if more else 'of'} {goal_name(goal)} about {met:.4g} can be had{beside}"
+    words = f"{'instead of' if more else 'of'} {goal_name(goal)} about {met:.4g} can be had{beside}"
+    last = solve(problem, found.vertices)
+    return Most(words, last if last.status == "converged" and _is_fair(problem, last) else None)
 
 
 def _is_fair(problem: CGCProblem, solution: Solution) -> bool:

@@ -29,6 +29,7 @@ from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
+from ...model.verdict import verdict
 from .coarse_to_fine import MANY
 from .coarse_to_fine import kept_on_coarse
 from .coarse_to_fine import ways_from_coarse
@@ -64,6 +65,7 @@ POLISHING = 4  # most steps to a surface that is symmetric to rounding; like oth
 
 ROUNDED = 3e-15  # residual that the sum of the angles around a vertex has [rad]
 FLAT = 1e-14  # K times the square of the size, that is none
+LED = "surfaces with less of the goal lead to it"
 CLOSE = 0.25  # of the rounding errors, from which they stop
 
 
@@ -407,7 +409,13 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
         solution = ready(problem, settings).solve(problem.targets, callback=callback)
-    if solution.status != "stalled" or not bind(problem).whole:
+    if solution.status not in ("stalled", "converged") or not bind(problem).whole:
+        return solution
+    if solution.status == "converged" and verdict(solution.with_found(problem).with_vertices(solution.vertices), problem.vertices).fair:
         return solution
     had = limit(problem, solution, lambda other, start: Projector(other, settings=settings).solve(None, start, callback=callback))
-    return solution if had is None else solution._replace(status="infeasible", message=f"infeasible{solution.message[7:]}; {had}")
+    if had is not None and had.solution is not None:
+        return had.solution._replace(message=f"{had.solution.message}; {LED}")
+    if had is None or solution.status == "converged":
+        return solution
+    return solution._replace(status="infeasible", message=f"infeasible{solution.message[7:]}; {had.words}")
