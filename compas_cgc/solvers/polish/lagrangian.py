@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 from typing import NamedTuple
-from typing import Optional
 
 import numpy as np
 from scipy import sparse
@@ -23,6 +22,7 @@ from ...discrete.mid_edge import ShapeOperators
 from ...discrete.mid_edge import determinants
 from ...model.laws import ConstantCurvature
 from ...model.laws import Piecewise
+from ._assembly import add_cells
 
 __all__ = ["Lagrangian", "Model", "State"]
 
@@ -188,14 +188,29 @@ class Lagrangian:
         unknowns[self.free] += step
         return self.at(unknowns)
 
+    def gradient(self, state: State, multipliers: FloatArray) -> FloatArray:
+        """Return the derivatives of the Lagrangian by the free unknowns (q,) for multipliers (r,)."""
+        own, onto = state.operators, self.mesh.incidence[self.rows].T
+        bent, uneven, stretched = self._stresses(own)
+        row_by_tensor, row_by_area, _ = self._laws(own)
+        by_tensor = bent + uneven + onto @ (multipliers[:, None] * row_by_tensor)
+        by_area = onto @ (multipliers * row_by_area) - own.bending / own.areas - stretched
+        by_face = np.einsum("me,mek->mk", by_tensor, own.tensor_slopes)
+        by_face[:, :3] += by_area[:, None] * own.area_slopes
+        whole = self.fold_terms(state.unknowns)[0] + np.bincount(self.mesh.columns.ravel(), by_face.ravel(), self.mesh.unknowns)
+        return np.asarray(whole[self.free], dtype=np.float64)
+
+    def _stresses(self, own: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the derivatives of bending and of unevenness by the tensors of faces (m, 6), and minus those of unevenness by areas."""
+        S = own.tensors / own.areas[:, None]
+        uneven = 2.0 * EVENNESS * OCCURRENCES * (self.uneven @ S) / own.areas[:, None]
+        return 2.0 * OCCURRENCES * S, uneven, np.einsum("me,me->m", uneven, S)
+
     def model(self, state: State, multipliers: FloatArray) -> Model:
         """Return the Lagrangian to second order for multipliers (r,)."""
         own = state.operators
-        T, A = own.tensors, own.areas
-        S = T / A[:, None]
-        bent = 2.0 * OCCURRENCES * S
-        uneven = 2.0 * EVENNESS * OCCURRENCES * (self.uneven @ S) / A[:, None]
-        stretched = np.einsum("me,me->m", uneven, S)
+        A, S = own.areas, own.tensors / own.areas[:, None]
+        bent, uneven, stretched = self._stresses(own)
         by_tensor, by_area = bent + uneven, -own.bending / A - stretched
         slopes = np.concatenate([own.tensor_slopes, np.pad(own.area_slopes, ((0, 0), (0, 3)))[:, None]], axis=1)
         gradient = np.einsum("me,mek->mk", by_tensor, slopes[:, :6]) + by_area[:, None] * slopes[:, 6]
@@ -261,7 +276,7 @@ class _Group(NamedTuple):
     owned: FloatArray  # (g, k) 1 where the cell is the first of the face, which adds what belongs to the face itself
     row: IntArray  # (g,) equation, -1 without one
     width: int  # number of unknowns of a cell
-    even: Optional[FloatArray] = None  # (g, k, k) what shape operators of the faces differ from linear functions
+    even: FloatArray = np.zeros((0, 0, 0))  # (g, k, k) what shape operators of the faces differ from linear functions
 
 
 class _Pattern:
@@ -295,8 +310,13 @@ class _Pattern:
         ends = np.cumsum([part.size for part in parts])
         cut = np.split(slots, ends[:-1])
         k = len(self.groups)
-        self.diagonal, self.fold, self.within = cut[0], cut[1], np.concatenate(cut[2 : 2 + k])
-        self.rows, self.columns = np.concatenate(cut[2 + k : 2 + 2 * k]), np.concatenate(cut[2 + 2 * k :])
+        self.diagonal, self.fold = cut[0], cut[1]
+        self.within = [slot.reshape(part.shape) for slot, part in zip(cut[2 : 2 + k], within)]
+        self.rows = [slot.reshape(part.shape) for slot, part in zip(cut[2 + k :], rows)]
+        # Entries of the rows of equations, and those across the diagonal.
+        mirrored = sparse.csr_matrix((np.arange(len(keys) - first), self.indices, self.indptr), shape=(self.size, self.size)).T.tocsr()
+        self.below = np.arange(self.indptr[q], self.indptr[-1])
+        self.across = mirrored.data[self.below]
 
     def unevenness(self, lagrangian: Lagrangian, areas: FloatArray) -> sparse.csr_matrix:
         """Return the quadratic form (m, m) of what values of faces differ from linear functions about every pair."""
@@ -327,41 +347,22 @@ class _Pattern:
         mesh, entries = lagrangian.mesh, len(self.indices)
         whole, fold_columns, fold_weights = lagrangian.fold_terms(state.unknowns)
         whole = whole + np.bincount(mesh.columns.ravel(), parts.gradient.ravel(), mesh.unknowns)
-        plain, bent, lines = [], [], []
-        for group in self.groups:
-            g, k = group.faces.shape
-            at = np.arange(g)[:, None]
-            G = np.zeros((g, group.width, 7))
-            C, H = np.zeros((2, g, group.width, group.width))
-            Z = np.zeros((g, k, 6, group.width)) if group.even is not None else None
-            for j in range(k):
-                face, place = group.faces[:, j], group.places[:, j]
-                block = at[..., None], place[:, :, None], place[:, None, :]
-                C[block] += group.owned[:, j, None, None] * parts.convex[face]
-                H[block] += group.owned[:, j, None, None] * parts.curved[face]
-                G[at, place] += parts.slopes[face].transpose(0, 2, 1)
-                if Z is not None:
-                    Z[at, j, :, place] = parts.shape_slopes[face].transpose(0, 2, 1)
-            if Z is not None and group.even is not None:
-                departure = (group.even @ Z.reshape(g, k, -1)).reshape(g, k, 6, -1) * np.sqrt(2.0 * EVENNESS * OCCURRENCES)[:, None]
-                square_root = departure.reshape(g, 6 * k, group.width)
-                C += square_root.transpose(0, 2, 1) @ square_root
-            has = group.row >= 0
-            lines.append(np.zeros((g, group.width)))
-            lines[-1][has] = np.einsum("gse,ge->gs", G[has], parts.rows[group.row[has]])
-            H[has] += G[has] @ parts.row_curvature[group.row[has]] @ G[has].transpose(0, 2, 1)
-            plain.append(C.ravel())
-            bent.append(H.ravel())
-        line = np.concatenate([one.ravel() for one in lines])
-        folding = np.bincount(self.fold, (fold_weights[:, None] * [1.0, 1.0, -1.0, -1.0]).ravel(), entries)
-        convex_data = _summed(self.within, np.concatenate(plain), entries) + folding
-        convex_data[self.diagonal[: self.unknowns]] += lagrangian.kept[lagrangian.free]
-        below, beside = _summed(self.rows, line, entries), _summed(self.columns, line, entries)
+        convex, curved, below = np.zeros((3, entries))
+        shape_slopes = parts.shape_slopes * np.sqrt(2.0 * EVENNESS * OCCURRENCES)[:, None]
+        for group, within, rows in zip(self.groups, self.within, self.rows):
+            k, w = group.faces.shape[1], group.width
+            add_cells(
+                *(group.faces, group.places, group.owned, group.row, group.even),
+                *(parts.convex, parts.curved, parts.slopes, shape_slopes, parts.rows, parts.row_curvature, within, rows),
+                *(np.empty((w, 7)), np.empty((6 * k, w)), *np.empty((2, w, w)), np.empty((w, 7)), convex, curved, below),
+            )
+        convex += np.bincount(self.fold, (fold_weights[:, None] * [1.0, 1.0, -1.0, -1.0]).ravel(), entries)
+        convex[self.diagonal[: self.unknowns]] += lagrangian.kept[lagrangian.free]
         q = self.unknowns
         start = int(self.indptr[q])
         J = sparse.csr_matrix((below[start:], self.indices[start:], self.indptr[q:] - start), shape=(self.size - q, self.size))[:, :q]
-        hessian = convex_data + _summed(self.within, np.concatenate(bent), entries)
-        return Model(whole[lagrangian.free], hessian, convex_data, J, below + beside)
+        both = below + np.bincount(self.across, below[self.below], entries)
+        return Model(whole[lagrangian.free], convex + curved, convex, J, both)
 
 
 def _groups(mesh: MidEdgeMesh, equation: IntArray) -> list[tuple[_Group, IntArray]]:
@@ -395,11 +396,6 @@ def _groups(mesh: MidEdgeMesh, equation: IntArray) -> list[tuple[_Group, IntArra
 def _keys(row: IntArray, column: IntArray, size: int) -> IntArray:
     """Return the keys of entries, -1 where either is none."""
     return np.where((row >= 0) & (column >= 0), row * size + column, -1)
-
-
-def _summed(slots: IntArray, values: FloatArray, entries: int) -> FloatArray:
-    """Return the sums of values by slot, without those of the slot -1."""
-    return np.bincount(slots + 1, values, entries + 1)[1:].astype(np.float64, copy=False)
 
 
 def _second(tensors: FloatArray, mixed: FloatArray, areas: FloatArray) -> FloatArray:

@@ -25,7 +25,9 @@ SHORTEST = 1e-3  # part of a step below which it is given up
 ROUNDING = 1e-12  # change of the merit, against the energy, that is rounding
 EXACT, HALVINGS = 1.0, 4  # share of the second derivatives that are not convex, and how often it is halved before they are left out
 SHIFT, GROW, MOST = 1e-4, 10.0, 1e4  # first shift of the second derivatives, its factor, and its limit
+CLOSE, NEARER = 1e-2, 0.1  # step, against the size, near the end of the way; and part of a step that is left where factors still fit
 SETTLED = 1e-8  # move of a vertex, against the size of the mesh, that is none
+STILL = 1e-12  # the same, that rounding makes
 
 
 class Step(NamedTuple):
@@ -95,10 +97,32 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
             continue
         here, length, trials = searched
         multipliers = after
+        if trials == 1 and length == 1.0 and farthest <= CLOSE * size:
+            here, multipliers, farthest = _closed_in(lagrangian, saddle, here, multipliers, farthest, STILL * size)
         number += 1
         yield Step(here, multipliers, length, trials, length == 1.0 and farthest < SETTLED * size, number)
         if length == 1.0:
             share, shift = min(EXACT, 4.0 * share) if share > 0.0 else EXACT, 0.0 if shift <= SHIFT else shift / GROW
+
+
+def _closed_in(
+    lagrangian: Lagrangian, saddle: Saddle, here: State, multipliers: FloatArray, farthest: float, enough: float
+) -> tuple[State, FloatArray, float]:
+    """Return the state and the multipliers after steps with factors that are there, while they come nearer fast; and the last move.
+
+    References
+    ----------
+    Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1.2, doi:10.1007/978-3-642-23899-4.
+    """
+    while farthest >= enough:
+        left = np.concatenate([lagrangian.gradient(here, multipliers), here.residuals])
+        solution = saddle.solve(-left)
+        move = float(np.abs(solution[: lagrangian.moves]).max(initial=0.0))
+        if not move <= NEARER * farthest:
+            break
+        here, multipliers = lagrangian.moved(here, solution[: lagrangian.size]), multipliers + solution[lagrangian.size :]
+        farthest = move
+    return here, multipliers, farthest
 
 
 def regularisation(lagrangian: Lagrangian) -> FloatArray:
