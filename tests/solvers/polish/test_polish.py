@@ -74,6 +74,7 @@ def test_derivatives_are_exact():
         own = lagrangian.model(at, multipliers)
         return own.gradient + own.jacobian.T @ multipliers
 
+    assert np.abs(lagrangian.gradient(state, multipliers) - force(state)).max() < 1e-12 * np.abs(force(state)).max()
     matrix = lagrangian.pattern.matrix(model, model.hessian, 0.0, np.zeros(len(multipliers)))
     change = (force(there) - force(back)) / (2 * h)
     product = (matrix @ np.concatenate([step, 0 * multipliers]))[: lagrangian.size]
