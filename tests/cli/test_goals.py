@@ -53,7 +53,7 @@ def test_all_goals_have_a_flag_or_are_data(plan, capsys):
         (["--above", "high"], "--above must be a height, such as 2.5 or 2.5@4, not 'high'"),
         (["--goal", "rise"], "--goal must be a JSON object"),
         (["--goal", '{"kind": "hight"}'], "did you mean 'height'"),
-        (["--unknown", "roof"], "--unknown must be the number of a region, or all, not 'roof'"),
+        (["--unknown", "roof"], "--unknown: unknown K cannot be 'roof'; write numbers of regions or all"),
         (["--unknown", "4"], "names region 4, but the mesh has 1"),
         (["--rise", "4000"], "the rise 4000 is far larger than the mesh"),
     ],

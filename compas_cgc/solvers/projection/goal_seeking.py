@@ -47,36 +47,21 @@ def goal_ways(system: System, equations: CurvatureEquations, start: Point, setti
     tried: Iterator[Point] = islice(starts(alone, guess, drawing), TRIED)
     if warm:
         tried = chain([drawing], tried if settings.retry else ())
-    found: Optional[Reached] = None
     for first in tried:
         reached = yield from _sought(system, equations, first)
-        if reached is None:
-            continue
-        reached = yield from refine(system, equations, reached)
-        keeps = _keeps_signs(equations, reached)
-        found = reached if keeps or found is None else found
-        if keeps:
-            break
-    if found is None:
-        return
-    if settings.measure == "smooth":
-        yield from smoothed(found.system or system, equations, found)
-    elif settings.measure in EXACT:
-        yield from exactly(found.system or system, equations, settings.measure, found.point.vertices)
-    else:
-        shape = found.point.vertices
-        plain = equations.given(shape) if isinstance(equations, FoundCurvature) else equations
-        if settings.measure == AUTO and shows_layout(system, plain, shape):
-            yield from smoothed(found.system or system, equations, found)
-        yield from _finished(equations, found)
-
-
-def _keeps_signs(equations: CurvatureEquations, reached: Reached) -> bool:
-    """Return whether K that was found has nowhere the opposite sign of its guess."""
-    if not isinstance(equations, FoundCurvature):
-        return True
-    targets = equations.targets_of(reached.point.vertices)
-    return bool((targets * equations.targets >= 0.0)[equations.rows].all())
+        if reached is not None:
+            reached = yield from refine(system, equations, reached)
+            if settings.measure == "smooth":
+                yield from smoothed(reached.system or system, equations, reached)
+            elif settings.measure in EXACT:
+                yield from exactly(reached.system or system, equations, settings.measure, reached.point.vertices)
+            else:
+                shape = reached.point.vertices
+                plain = equations.given(shape) if isinstance(equations, FoundCurvature) else equations
+                if settings.measure == AUTO and shows_layout(system, plain, shape):
+                    yield from smoothed(reached.system or system, equations, reached)
+                yield from _finished(equations, reached)
+            return
 
 
 def _sought(system: System, equations: CurvatureEquations, first: Point) -> Generator[Taken, None, Optional[Reached]]:
