@@ -14,6 +14,7 @@ from typing import Optional
 from typing import Union
 
 from ..errors import CGCError
+from ..errors import FileError
 from .console import bar
 from .console import interruptible
 from .console import printer
@@ -35,7 +36,8 @@ DESIGN is a .3dm with a NURBS surface, polysurface, SubD or mesh on a layer Desi
 on a layer Supports; or a mesh file.
 
 OUT is a .3dm with the solved surface and the layers CGC Rationalised::Moulds, Seams and Distance. Every panel is a region of it:
-compas-cgc mould OUT -o moulds.3dm --count 1 lays the panels onto their moulds.
+compas-cgc mould OUT -o moulds.3dm --count 1 lays the panels onto their moulds. A .step file receives the panels as trimmed faces of one
+shell, a .3dm file with --nurbs four-sided patches whose sides coincide.
 
 exit codes: 0 done; 1 the distance of --within is exceeded, or the surface did not converge; 3 the surface is rough
 
@@ -78,6 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tolerance", metavar="D", help="largest distance of a smooth surface fitted to a mesh (default: the file's)")
     parser.add_argument("--report", metavar="JSON", help="write moulds, distances and folds as JSON")
     parser.add_argument("--sweep", type=int, nargs="*", metavar="N", help="write distances for these numbers of moulds to OUT.csv and .png")
+    parser.add_argument("--nurbs", action="store_true", help="fit a NURBS surface to each panel, on the layer CGC::NURBS of a .3dm file")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=run)
 
@@ -88,7 +91,8 @@ def run(arguments: argparse.Namespace) -> int:
     from ..rationalisation import rationalise
     from ..rationalisation import read_design
 
-    known_suffix(arguments.output)
+    if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
+        raise FileError(f"--nurbs requires a .3dm output file, not {arguments.output}")
     echo = printer(arguments.quiet)
     own = arguments.seams
     layer = own if own not in (None, *NAMED) and Path(own).suffix.lower() != ".3dm" else None
@@ -124,7 +128,10 @@ def run(arguments: argparse.Namespace) -> int:
         finally:
             line.close()
     echo(found.summary)
-    for path in _write(arguments, found):
+    written, notes = _write(arguments, found)
+    for note in notes:
+        echo(f"{arguments.output}: {note}")
+    for path in written:
         echo(f"wrote {path}")
     if arguments.sweep is not None and not found.cancelled:
         for path in _write_sweep(arguments, design, echo):
@@ -171,8 +178,8 @@ def length(text: str, units: Union[str, None], name: str) -> float:
     return value * SUFFIXES[suffix] / METRES.get(units or "Meters", 1.0)
 
 
-def _write(arguments: argparse.Namespace, found: Rationalised) -> list[Path]:
-    """Write the surface and the report."""
+def _write(arguments: argparse.Namespace, found: Rationalised) -> tuple[list[Path], list[str]]:
+    """Write the surface and the report; return their paths, and notes on smooth surfaces."""
     from .._atomic_write import published_together
     from .._atomic_write import write_text
     from .._version import __version__
@@ -188,13 +195,14 @@ def _write(arguments: argparse.Namespace, found: Rationalised) -> list[Path]:
 
             source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
             classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
-            write_panels(output, found.result, classes, {"compas_cgc.rationalised": json.dumps(record)}, source)
+            texts = {"compas_cgc.rationalised": json.dumps(record)}
+            notes = write_panels(output, found.result, classes, texts, source, arguments.nurbs)
         else:
-            write(output, found.result)
+            notes = write(output, found.result)
         if arguments.report:
             write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
             written.append(Path(arguments.report))
-    return written
+    return written, notes
 
 
 def _write_sweep(arguments: argparse.Namespace, design: Design, echo: Callable[[str], None]) -> list[Path]:

@@ -15,6 +15,7 @@ from compas_cgc.errors import MeshError
 from compas_cgc.fabrication.shell import fit as shell_fit
 from compas_cgc.fabrication.shell.edges import region_edges
 from compas_cgc.fabrication.shell.heights import HeightSpace
+from compas_cgc.fabrication.shell.patches import region_patches
 from compas_cgc.fabrication.shell.regions import region_surfaces
 from compas_cgc.io.step import step_bytes
 
@@ -54,6 +55,33 @@ def test_surfaces_meet_and_have_their_curvature(facade):
     assert fit.gap < 1e-5 and fit.distance < 5e-4 * fit.scale
     half, most, _ = fit.percentiles()
     assert half < 0.002 and most < 0.02
+
+
+@pytest.fixture(scope="module")
+def panels():
+    """Return a roof of 24 panels on three moulds."""
+    x, y = np.meshgrid(np.linspace(-6, 6, 25), np.linspace(-4, 4, 17), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), (2 - 0.03 * x**2 - 0.05 * y**2 + 0.1 * np.sin(0.8 * x)).ravel()])
+    quads = [[i * 17 + j, i * 17 + 17 + j, i * 17 + 18 + j, i * 17 + 1 + j] for i in range(24) for j in range(16)]
+    return compas_cgc.rationalise((vertices, quads), panel=2.0, moulds=3, edges=4)
+
+
+def test_panels_of_a_rationalised_roof_are_one_valid_shell(panels, tmp_path):
+    problem = panels.result.problem
+    assert len(set(problem.region_targets())) == 3
+    (note,) = compas_cgc.write(tmp_path / "panels.step", panels.result)
+    assert note.startswith("24 faces in one shell")
+    shell = shell_of(tmp_path / "panels.step")
+    assert occt.is_valid(shell) and len(occt.shape_explore(shell, FACE)) == 24
+    rim = [edge for edge in region_edges(problem.vertices, problem.faces, problem.regions()) if len(edge.regions) == 1]
+    assert len(free_edges(shell)) == len(rim) == 20
+
+
+def test_panels_of_a_rationalised_roof_have_their_curvature(panels):
+    fit = region_surfaces(panels.result.problem)
+    assert fit.gap < 1e-6 * fit.scale and fit.distance < 5e-4 * fit.scale and fit.percentiles()[1] < 0.02
+    made = region_patches(panels.result.problem, fit)
+    assert all(patch.sides for patch in made.patches) and made.percentiles[1] < 0.02
 
 
 def test_a_sphere_with_a_courtyard_is_trimmed_to_its_area(tmp_path):

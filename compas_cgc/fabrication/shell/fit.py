@@ -28,18 +28,19 @@ from .heights import SECOND_ORDERS
 from .heights import HeightSpace
 from .heights import curvature
 
-__all__ = ["CLOSE", "LOOSE", "Fit", "Piece", "fitted", "samples"]
+__all__ = ["AIM", "CLOSE", "LOOSE", "Fit", "Piece", "fitted", "reference", "samples"]
 
 MIN_COSINE = 0.05  # least cosine between the face normals of a region and its direction of projection
 LEVEL_COSINE = 0.6  # least cosine for a projection along the mean normal
 DISTANCE = 7e-5  # distance of a vertex, relative to the size, that costs as much as CURVATURE_ERROR
 CURVATURE_ERROR = 0.003  # error of K relative to its target
 CURVATURE_FLOOR = 0.02  # smallest reference for errors of K, for a surface of size 1
+REGION_FLOOR = 0.005  # the same for a region of size 1, whose development such an error of K strains by about 2e-4
 ROUGHNESS = 1e-10  # weight of the squared third derivative for edges of length 1
 START_ROUGHNESS = 1e-4  # the same for the initial surface through the vertices
 HELD_MARGIN = 3.0  # distance from supports, in mesh edges, up to which the weight of K is reduced: it may be singular there
-MARGIN_POWER = 4.0
-CROSSING_MARGIN = 2.0  # the same for points where three or more regions meet
+MARGIN_POWER = 8.0  # high enough that K nearly counts only where its error is measured
+CROSSING_MARGIN = 0.5  # the same for points where three or more regions meet
 # Factors on DISTANCE, errors of K in units of CURVATURE_ERROR beyond which they are outliers, and gaps that cost as much as DISTANCE,
 # relative to it.
 CLOSE = (
@@ -57,15 +58,17 @@ LOOSE = (
     *((16.0, np.inf, 1e-1),) * 2,
     (8.0, np.inf, 3e-2),
     (4.0, np.inf, 1e-2),
-    *((4.0, np.inf, 1e-3),) * 6,
-    *((4.0, 100.0, 1e-4),) * 4,
-    *((4.0, 100.0, 3e-5),) * 3,
+    *((2.0, np.inf, 1e-3),) * 6,
+    *((2.0, 100.0, 1e-4),) * 4,
+    *((2.0, 100.0, 3e-5),) * 3,
 )
 Stages = tuple[tuple[float, float, float], ...]
 MEASURED_GAP = 1e-3  # relative gap of the stages whose surfaces are candidates
-MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the size, if the mesh is not farther from its own surface
+MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the size
+COARSE_DISTANCE = 1e-3  # the largest one, for meshes whose faces are as far from the surface
 MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
 MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from supports
+AIM = 0.02  # the same error, below which surfaces are compared by their distance and gap too
 AWAY = 2.0  # distance from supports, in mesh edges, beyond which the error of K counts
 DAMPING = 1e-6  # relative to the mean of the diagonal
 SAMPLES_PER_EDGE = 4  # points of a shared edge per mesh edge
@@ -114,8 +117,12 @@ class Fit(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """Tolerance of the distance of vertices [L]: the mesh of a curved surface is as inaccurate as its faces are far from it."""
-        return max(MAX_DISTANCE * self.scale, self.sagitta)
+        """Tolerance of the distance of vertices [L], larger for coarse meshes, which are inaccurate themselves."""
+        return max(MAX_DISTANCE * self.scale, min(self.sagitta, COARSE_DISTANCE * self.scale))
+
+    def rank(self) -> tuple[float, float, float]:
+        """Return a key that is smallest for the best of several fits: its tolerances first, then its error of K down to the aim."""
+        return max(self.shortfall(), 1.0), max(float(self.percentiles()[1]), AIM), self.shortfall()
 
     def shortfall(self) -> float:
         """Return the largest of distance, gap and error of K (95th percentile), each relative to its tolerance."""
@@ -165,6 +172,7 @@ class _System:
         self.lines = [samples(self.V[edge.path]) for edge in self.edges]
         self.regions = self._regions(cell)
         self.size = sum(region.space.size for region in self.regions)
+        self._edges()
         self._tether()
         self._curvature()
         self.rough = sum((own.T @ own for own in self._stack(lambda region: region.space.roughness())), sparse.csr_matrix((self.size,) * 2))
@@ -203,7 +211,8 @@ class _System:
             for order in SECOND_ORDERS
         ]
         self.target = np.concatenate([np.full(len(xy), targets[k]) for k, xy in enumerate(self.places)])
-        self.reference = np.maximum(np.abs(self.target), CURVATURE_FLOOR)
+        floors = [reference(K, own.plan[own.used], 1.0) for own, K in zip(self.regions, targets)]
+        self.reference = np.concatenate([np.full(len(xy), floors[k]) for k, xy in enumerate(self.places)])
         held = self.V[self.problem.supports]
         points = np.concatenate([np.einsum("pc,fcx->fpx", FACE_POINTS, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
         distance = cKDTree(held).query(points)[0] / self.edge if len(held) else np.full(len(points), np.inf)
@@ -225,33 +234,41 @@ class _System:
             if K is not None:
                 found = self._piece(own, x).gaussian(own.plan[own.faces].mean(axis=1)[:, :2])
                 target = K * self.scale**2
-                errors[self.label == number] = np.abs(found - target) / max(abs(target), CURVATURE_FLOOR)
+                errors[self.label == number] = np.abs(found - target) / reference(target, own.plan[own.used], 1.0)
         return errors
 
     def _piece(self, own: _Region, x: FloatArray) -> Piece:
         return Piece(own.axes, own.space, x[own.start : own.start + own.space.size])
 
+    def _edges(self) -> None:
+        """Find the points of all edges in the planes of their first regions, and the points of shared edges beside every region."""
+        firsts = [(line @ self.regions[edge.regions[0]].axes.T)[:, :2] for edge, line in zip(self.edges, self.lines)]
+        self.ends = np.cumsum([0, *map(len, firsts)])
+        first = np.repeat([edge.regions[0] for edge in self.edges], np.diff(self.ends))
+        second = np.repeat([edge.regions[1] if len(edge.regions) == 2 else -1 for edge in self.edges], np.diff(self.ends))
+        self.plan, self.directions, self.beside = np.concatenate(firsts), np.stack([self.regions[k].axes for k in first]), second
+        order = np.argsort(first, kind="stable")
+        rows = [self._placed(own.space.basis(self.plan[first == k]), own) for k, own in enumerate(self.regions)]
+        self.lift = sparse.vstack(rows).tocsr()[np.argsort(order)]
+
     def gaps(self, x: FloatArray) -> tuple[sparse.csr_matrix, FloatArray, list[FloatArray]]:
         """Return the gaps along shared edges (k,), their derivatives (k, size), and the points of all edges on their first surface."""
-        rows, gaps, curves = [sparse.csr_matrix((0, self.size))], [np.empty(0)], []
-        for edge, line in zip(self.edges, self.lines):
-            first = self.regions[edge.regions[0]]
-            xy = (line @ first.axes.T)[:, :2]
-            basis = first.space.basis(xy)
-            points = np.column_stack([xy, basis @ x[first.start : first.start + first.space.size]]) @ first.axes
-            curves.append(points)
-            if len(edge.regions) == 2:
-                second = self.regions[edge.regions[1]]
-                local = points @ second.axes.T
+        points = np.einsum("ki,kij->kj", np.column_stack([self.plan, self.lift @ x]), self.directions)
+        rows, gaps = [sparse.csr_matrix((0, self.size))], [np.empty(0)]
+        for number, second in enumerate(self.regions):
+            here = np.flatnonzero(self.beside == number)
+            if len(here):
+                local = points[here] @ second.axes.T
                 own = x[second.start : second.start + second.space.size]
                 p, q = (second.space.basis(local[:, :2], order) @ own for order in ((1, 0), (0, 1)))
                 upright = 1.0 / np.sqrt(1.0 + p * p + q * q)
                 other = second.space.basis(local[:, :2])
-                way = second.axes @ first.axes[2]
-                turn = (way[2] - p * way[0] - q * way[1]) * upright
+                way = self.directions[here, 2] @ second.axes.T
+                turn = (way[:, 2] - p * way[:, 0] - q * way[:, 1]) * upright
                 gaps.append((local[:, 2] - other @ own) * upright)
-                one = self._placed(basis.multiply(turn[:, None]).tocsr(), first)
+                one = self.lift[here].multiply(turn[:, None]).tocsr()
                 rows.append(one - self._placed(other.multiply(upright[:, None]).tocsr(), second))
+        curves = [points[first:last] for first, last in zip(self.ends, self.ends[1:])]
         return sparse.vstack(rows).tocsr(), np.concatenate(gaps), curves
 
     def solved(self, stages: Stages) -> Fit:
@@ -282,7 +299,7 @@ class _System:
             if joint <= MEASURED_GAP:
                 tried.append(self._measured(x))
         # Steps near the end do not always improve a surface that is singular somewhere.
-        return min(tried, key=Fit.shortfall)
+        return min(tried, key=Fit.rank)
 
     def _measured(self, x: FloatArray) -> Fit:
         _, gap, curves = self.gaps(x)
@@ -308,6 +325,11 @@ def _offsets(piece: Piece, local: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the heights of points (k, 3) over a surface, and the cosines of its slopes (k,)."""
     z, p, q = (piece.space.basis(local[:, :2], order) @ piece.coefficients for order in ((0, 0), (1, 0), (0, 1)))
     return local[:, 2] - z, 1.0 / np.sqrt(1.0 + p * p + q * q)
+
+
+def reference(target: float, points: FloatArray, size: float) -> float:
+    """Return the curvature relative to which errors of K are measured in a region with points (k, 3), part of a surface of a size."""
+    return float(max(np.nan_to_num(abs(target)), CURVATURE_FLOOR / size**2, REGION_FLOOR / (np.ptp(points, axis=0) ** 2).sum()))
 
 
 def _axes(points: FloatArray, normals: FloatArray, number: int) -> FloatArray:

@@ -15,9 +15,9 @@ from ...discrete.nurbs import NurbsPatch
 from ...errors import MeshError
 from ...model.problem import CGCProblem
 from .fit import AWAY
-from .fit import CURVATURE_FLOOR
 from .fit import MAX_CURVATURE_ERROR
 from .fit import Fit
+from .fit import reference
 from .heights import DEGREE
 from .heights import SECOND_ORDERS
 from .heights import HeightSpace
@@ -100,7 +100,8 @@ def curvature_errors(problem: CGCProblem, fit: Fit, made: list[Patch]) -> FloatA
         normal = np.cross(u, v)
         e, f, g = ((second * normal).sum(axis=-1) for second in (uu, uv, vv))
         K = (e * g - f * f) / np.maximum((normal**2).sum(axis=-1), 1e-300) ** 2
-        error = np.abs(K - target) / max(abs(target), CURVATURE_FLOOR / fit.scale**2)
+        used = problem.vertices[np.unique(problem.faces[problem.regions() == region])]
+        error = np.abs(K - target) / reference(target, used, fit.scale)
         away = cKDTree(supports).query(point)[0] > AWAY * edge if len(supports) else np.ones(error.shape, bool)
         found.append(error[away])
     return np.concatenate(found)

@@ -6,6 +6,7 @@ from typing import Optional
 
 from ...errors import MeshError
 from ...model.problem import CGCProblem
+from .fit import AIM
 from .fit import CLOSE
 from .fit import LOOSE
 from .fit import MAX_CURVATURE_ERROR
@@ -15,8 +16,7 @@ from .fit import fitted
 
 __all__ = ["region_surfaces"]
 
-TRIALS = ((0.67, CLOSE), (0.67, LOOSE), (0.5, LOOSE))  # spans relative to the edge length, and weights, tried in this order
-AIM = 0.02  # error of K, 95th percentile away from supports, at which no further trial is made
+TRIALS = ((0.67, CLOSE), (0.5, LOOSE), (0.4, LOOSE))  # spans relative to the edge length, and weights, tried in this order
 
 
 def region_surfaces(problem: CGCProblem) -> Fit:
@@ -43,7 +43,7 @@ def region_surfaces(problem: CGCProblem) -> Fit:
     fit: Optional[Fit] = None
     for trial in TRIALS:
         found = fitted(problem, *trial)
-        fit = found if fit is None else min(fit, found, key=Fit.shortfall)
+        fit = found if fit is None else min(fit, found, key=Fit.rank)
         if fit.shortfall() <= 1.0 and fit.percentiles()[1] <= AIM:
             return fit
     assert fit is not None

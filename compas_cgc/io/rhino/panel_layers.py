@@ -57,7 +57,8 @@ def write_panels(
     classes: PanelClasses,
     texts: Optional[Mapping[str, str]] = None,
     source: Union[str, os.PathLike, None] = None,
-) -> None:
+    nurbs: bool = False,
+) -> list[str]:
     """Write a solved surface with its panels on the sublayers of ``CGC Rationalised``, in addition to the contents of a file.
 
     ========  ===================================================================================
@@ -78,6 +79,13 @@ def write_panels(
         Document user text, such as the report.
     source
         The .3dm file of the design, whose contents are kept.
+    nurbs
+        Whether to draw a NURBS surface for each panel, whose sides coincide with those of its neighbours.
+
+    Returns
+    -------
+    list[str]
+        Notes on the NURBS surfaces.
 
     Raises
     ------
@@ -87,7 +95,7 @@ def write_panels(
     problem = result.problem
     archive = new_archive(problem) if source is None else read_archive(source)
     writer = LayerWriter(archive)
-    draw_result(writer, result, analyse(result), None if source is None else os.path.basename(source))
+    notes = draw_result(writer, result, analyse(result), None if source is None else os.path.basename(source), nurbs)
     writer.clear(RATIONALISED)
     order = np.argsort(classes.panels, kind="stable")
     parts = np.split(order, np.flatnonzero(np.diff(classes.panels[order])) + 1)
@@ -107,6 +115,7 @@ def write_panels(
     _draw_distance(writer, problem.vertices, problem.faces, classes.distances)
     writer.document_text((texts or {}).items())
     write_archive(archive, path, 8 if source is not None and archive.ArchiveVersion >= 80 else 7)
+    return notes
 
 
 def _draw_distance(writer: LayerWriter, vertices: FloatArray, faces: IntArray, distances: FloatArray) -> None:
