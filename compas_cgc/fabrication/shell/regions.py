@@ -43,6 +43,8 @@ def region_surfaces(problem: CGCProblem) -> Fit:
     fit: Optional[Fit] = None
     for trial in TRIALS:
         found = fitted(problem, *trial)
+        if fit is not None and fit.shortfall() <= 1.0 and fit.rank() <= found.rank():
+            return fit
         fit = found if fit is None else min(fit, found, key=Fit.rank)
         if fit.shortfall() <= 1.0 and fit.percentiles()[1] <= AIM:
             return fit
