@@ -37,3 +37,16 @@ def test_a_button_of_the_verdict_mends_a_rough_surface(tmp_path):
         assert not hands.shown(".remedies") and hands.complaints() == []
         hands.click("#undo")
         wait_for(lambda: hands.text(".verdict h2") == "Rough" and not hands.shown(BUSY), what="a remedy is a step that can be undone")
+
+
+def test_a_button_allows_more_steps_after_the_step_limit(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
+        hands.open(f"{server.url}/#new")
+        hands.seen(".example")
+        hands.read(OPEN.replace("targets: [args[1]]", "targets: [args[1]], method: 'newton', settings: { steps: 2 }"), SKETCH, 0.01)
+        hands.seen("#solve")
+        hands.click("#solve")
+        wait_for(lambda: hands.text(".verdict h2") == "Step limit reached" and not hands.shown(BUSY), what="two steps are enough")
+        assert hands.text(".remedies button") == "Allow 10 steps"
+        hands.click(".remedies button")
+        wait_for(lambda: hands.text(".verdict h2") not in ("", "Step limit reached") and not hands.shown(BUSY), what="ten are not")

@@ -5,6 +5,7 @@ import { requestOf } from './draw/plan.js';
 
 const MARGIN = 0.95; // of the largest feasible K, as it is found within 5 %
 const FINER = 0.7; // factor of the edge length
+const MORE_STEPS = 5; // factor of the number of steps
 
 /**
  * @typedef {object} Remedy
@@ -27,6 +28,10 @@ export function remediesFor(studio) {
     studio.edit(changed);
     solving.begin();
   };
+  if (solving.result?.status === 'step_limit') {
+    const steps = MORE_STEPS * solving.result.iterations;
+    found.push({ text: `Allow ${steps} steps`, act: () => solve({ ...studio.data, settings: { ...studio.data.settings, steps } }) });
+  }
   if (given) {
     found.push({
       text: 'Set the largest feasible K',
