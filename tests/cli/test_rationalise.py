@@ -47,6 +47,16 @@ def test_a_design_becomes_panels_with_a_report_and_is_read_by_the_mould_command(
     assert read(out) is not None
 
 
+def test_panels_are_drawn_as_surfaces_on_demand(design, tmp_path, capsys):
+    out = tmp_path / "panels.3dm"
+    assert main(["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--nurbs"]) == 0
+    assert "8 NURBS surfaces" in capsys.readouterr().out
+    names = [item.name for item in list_items(read_archive(out)) if item.layer == "CGC::NURBS"]
+    assert sum(name.startswith("region") for name in names) == 8
+    code = main(["rationalise", str(design), "-o", str(tmp_path / "panels.obj"), "--nurbs", "-q"])
+    assert code != 0 and "--nurbs requires a .3dm" in capsys.readouterr().err
+
+
 def test_a_distance_that_is_exceeded_has_an_exit_code_and_a_suggestion(design, tmp_path, capsys):
     out = tmp_path / "panels.3dm"
     code = main(["rationalise", str(design), "-o", str(out), "--panel", "4", "--edges", "4", "--moulds", "1", "--within", "1mm"])
