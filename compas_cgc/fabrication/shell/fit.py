@@ -120,10 +120,10 @@ class Fit(NamedTuple):
         """Tolerance of the distance of vertices [L], larger for coarse meshes, which are inaccurate themselves."""
         return max(MAX_DISTANCE * self.scale, min(self.sagitta, COARSE_DISTANCE * self.scale))
 
-    def rank(self) -> tuple[float, float, float, float]:
+    def rank(self) -> tuple[float, bool, float, float]:
         """Return a key that is smallest for the best of several fits: its tolerances first, then its error of K down to the aim."""
-        far = self.distance / (MAX_DISTANCE * self.scale)
-        return max(self.shortfall(), 1.0), max(far, 1.0), max(float(self.percentiles()[1]), AIM), self.shortfall()
+        far = self.distance > MAX_DISTANCE * self.scale
+        return max(self.shortfall(), 1.0), far, max(float(self.percentiles()[1]), AIM), self.shortfall()
 
     def shortfall(self) -> float:
         """Return the largest of distance, gap and error of K (95th percentile), each relative to its tolerance."""
