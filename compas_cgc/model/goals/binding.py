@@ -178,8 +178,8 @@ def unknown_constants(problem: CGCProblem) -> list[UnknownConstant]:
 def _check_constant(problem: CGCProblem, constant: UnknownConstant) -> None:
     of_law = [region for region in constant.regions if region in problem.laws]
     if of_law and constant.goal.bounds is not None:
-        law = problem.laws[of_law[0]]
-        raise ProblemError([f"the bounds of the goal Unknown are of K, but region {of_law[0]} has the law {law}; leave the bounds out"])
+        other = problem.laws[of_law[0]]
+        raise ProblemError([f"the bounds of the goal Unknown are of K, but region {of_law[0]} has the law {other}; leave the bounds out"])
     for region in constant.regions if constant.is_factor else ():
         law = problem.laws.get(region)
         drawn = problem.targets[problem.region_vertices(region)] if law is None else np.array([law.constant or 0.0])

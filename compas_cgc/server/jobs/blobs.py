@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextlib import suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO
 from typing import Optional
 
 __all__ = ["Blobs", "blob_name", "pieces"]
@@ -109,6 +109,6 @@ def blob_name(kind: str, id: str) -> str:
     return f"{hashlib.sha256(id.encode()).hexdigest()[:40]}.{kind}"
 
 
-def pieces(stream: BinaryIO) -> Iterable[bytes]:
+def pieces(stream: IO[bytes]) -> Iterable[bytes]:
     """Yield the content of a stream in pieces."""
     return iter(lambda: stream.read(PIECE), b"")

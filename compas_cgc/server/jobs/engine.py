@@ -16,8 +16,8 @@ from collections import deque
 from collections.abc import Iterator
 from collections.abc import Sequence
 from concurrent.futures import Future
+from typing import IO
 from typing import Any
-from typing import BinaryIO
 from typing import Callable
 from typing import Optional
 from typing import Union
@@ -136,7 +136,7 @@ class Jobs:
     def submit(
         self,
         kind: str,
-        body: Union[bytes, BinaryIO],
+        body: Union[bytes, IO[bytes]],
         options: Optional[dict] = None,
         id: Optional[str] = None,
         client: str = "",
@@ -562,7 +562,7 @@ class Jobs:
             self._change.notify_all()
 
 
-def _counted(stream: BinaryIO, checksum: Any) -> Iterator[bytes]:
+def _counted(stream: IO[bytes], checksum: Any) -> Iterator[bytes]:
     """Yield the content of a stream in pieces, and add it to a checksum."""
     for piece in pieces(stream):
         checksum.update(piece)

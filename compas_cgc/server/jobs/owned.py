@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from collections.abc import Sequence
-from typing import BinaryIO
+from typing import IO
 from typing import Optional
 from typing import Union
 
@@ -39,7 +39,7 @@ class OwnedJobs:
         return owned_id(self._owner, id)
 
     def submit(
-        self, kind: str, body: Union[bytes, BinaryIO], options: Optional[dict] = None, id: Optional[str] = None, client: str = ""
+        self, kind: str, body: Union[bytes, IO[bytes]], options: Optional[dict] = None, id: Optional[str] = None, client: str = ""
     ) -> tuple[Job, bool]:
         """Accept a job and start it when a worker is free."""
         job, new = self._jobs.submit(kind, body, options, id, client, self._owner)

@@ -146,7 +146,7 @@ class _Seeker:
         J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
         change = np.zeros(len(by_log))
         if np.abs(J).max() > FLAT:
-            inside, least, largest = np.ones(len(change), bool), *(self.bounds - here.logs)
+            inside, (least, largest) = np.ones(len(change), bool), self.bounds - here.logs
             while inside.any():
                 # Constants that would pass a bound stop there, and the others make up for it.
                 change[inside] = -np.linalg.pinv(J[:, inside]) @ (here.missing + J[:, ~inside] @ change[~inside])

@@ -138,7 +138,8 @@ class System:
 
         self._fairness = fairness
         self.keep, self.fairness = self._kept(V) if kept is None else (kept.keep, fairness(*kept))
-        group, rates = (values[self.rows] for values in _groups(problem, unknown_constants(problem) if found else [], symmetries))
+        groups, factors = _groups(problem, unknown_constants(problem) if found else [], symmetries)
+        group, rates = groups[self.rows], factors[self.rows]
         if (group >= 0).any():
             group = np.where(group >= 0, np.unique(group, return_inverse=True)[1] - int((group < 0).any()), -1)
 
