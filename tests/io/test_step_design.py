@@ -46,6 +46,16 @@ def test_a_shell_of_trimmed_faces_is_one_design(tmp_path):
     assert not design.trimmed and design.deviation < 1e-4 * size
 
 
+def test_a_face_with_a_round_rim_is_a_trimmed_design(tmp_path):
+    angles = np.linspace(0.0, 2.0 * np.pi, 25)[:-1]
+    mesh = CGCMesh.from_outline((5.0 * np.column_stack([np.cos(angles), np.sin(angles)])).tolist(), edge_length=0.8)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.02)
+    compas_cgc.write(tmp_path / "dome.step", compas_cgc.solve(mesh))
+    design = read_design(tmp_path / "dome.step")
+    assert design.trimmed and design.deviation < 1e-4 * 1e4
+
+
 def test_files_without_a_design_get_one_sentence(tmp_path):
     garbage = tmp_path / "garbage.step"
     garbage.write_text("ISO-10303-21;\nnothing\n", encoding="utf-8")
