@@ -50,7 +50,7 @@ def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[
 
     def listed() -> list[str]:
         # COMPAS looks for ``__all_plugins__`` in this list.
-        special = [name for name in vars(sys.modules[package]) if name.startswith("__")]
+        special = [name for name in ("__all_plugins__",) if name in vars(sys.modules[package])]
         return sorted([*homes, *subpackages(), *special])
 
     return look_up, listed, sorted(homes)

@@ -7,7 +7,6 @@ import json
 from typing import Any
 
 from ..errors import CGCError
-from ..model.goals.unknown_text import unknown_data
 
 __all__ = ["add_goals", "goals_of"]
 
@@ -109,6 +108,9 @@ def _parsed(text: str) -> dict[str, Any]:
 
 def _unknown(texts: list[str]) -> list[dict[str, Any]]:
     """Return goals of unknown K; regions of which nothing else is said are one goal."""
+    # Loaded when it is used, so that help texts do not wait for compiled kernels.
+    from ..model.goals.unknown_text import unknown_data
+
     try:
         found = [unknown_data(text) for text in texts]
     except ValueError as error:

@@ -111,5 +111,6 @@ def test_edges_far_from_their_faces_are_refused(cushion, tmp_path):
 def test_reading_ends_with_a_limit_of_time(cushion, tmp_path, monkeypatch):
     (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
     monkeypatch.setattr(step_design, "SECONDS", 0.0)
+    monkeypatch.setattr(step_design, "SECONDS_PER_BYTE", 0.0)
     with pytest.raises(FileError, match="takes more than"):
         read_step_design(tmp_path / "cushion.step")

@@ -123,7 +123,7 @@ def test_a_result_brings_its_goals_along(tmp_path):
     [
         ([(7, 7)], {}, "does not state a goal; give it user text such as rise = 4"),
         ([(7, 7)], {"rise": "high"}, "has the user text rise = 'high'; it must be a number"),
-        ([(7, 7)], {"unknown": "roof"}, "it must be numbers of regions, or all"),
+        ([(7, 7)], {"unknown": "roof"}, "unknown K cannot be 'roof'"),
         ([(7, 7)], {"clearance": "2"}, "is a point, but clearance requires a curve"),
         ([(1, 1), (5, 1), (5, 5)], {"clearance": "2"}, "is an open curve, but clearance requires a closed curve"),
         ([(1.1, 1.2), (5.3, 1.4)], {"length": "7"}, "does not pass through vertices of the mesh"),
