@@ -57,13 +57,16 @@ def _rows(lath: Lath, schedule: LathSchedule) -> list[tuple]:
         " ".join(f"{mm * at:.1f}" for at in lath.splices),
     )
     rows = []
-    for node, station, across, angle, bend in zip(
-        lath.nodes.tolist(), lath.stations.tolist(), lath.across.tolist(), lath.angles.tolist(), lath.bending.tolist()
-    ):
+    places = zip(lath.nodes.tolist(), lath.stations.tolist(), lath.across.tolist(), np.degrees(lath.angles).tolist())
+    for (node, station, across, degrees), slot, bend in zip(places, _slots(lath.angles, schedule).tolist(), lath.bending.tolist()):
         radius = "" if abs(bend) < 1e-6 / schedule.unit else f"{mm / bend:.0f}"
-        slot = f"{schedule.thickness / abs(np.sin(angle)):.1f}"
-        rows.append((*about, node, f"{mm * station:.1f}", across, f"{np.degrees(angle):.2f}", slot, _side(lath), radius))
+        rows.append((*about, node, f"{mm * station:.1f}", across, f"{degrees:.2f}", f"{slot:.1f}", _side(lath), radius))
     return rows
+
+
+def _slots(angles: FloatArray, schedule: LathSchedule) -> FloatArray:
+    """Return the widths (k,) of slots, cut square to the lath, for laths that cross at angles (k,) [rad] [mm]."""
+    return schedule.thickness * (1.0 + np.abs(np.cos(angles))) / np.abs(np.sin(angles))
 
 
 def _side(lath: Lath) -> str:
@@ -74,7 +77,7 @@ def _side(lath: Lath) -> str:
 def _strip(lath: Lath, schedule: LathSchedule) -> FloatArray:
     """Return the outline of a strip with its slots, counterclockwise (k, 2) [mm]."""
     length, width = 1e3 * schedule.unit * lath.length, schedule.width
-    at, half = 1e3 * schedule.unit * lath.stations, 0.5 * schedule.thickness / np.abs(np.sin(lath.angles))
+    at, half = 1e3 * schedule.unit * lath.stations, 0.5 * _slots(lath.angles, schedule)
     x = np.column_stack([at - half, at - half, at + half, at + half]).ravel()
     y = np.tile([0.0, 0.5 * width, 0.5 * width, 0.0], len(at))
     edge = np.column_stack([x, y])
@@ -102,7 +105,7 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
         texts.append(Text("LABEL", f"L{lath.number}", np.array([-width, low + 0.5 * width]), 0.4 * width))
     title = (
         f"{len(schedule.laths)} laths of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}; all lengths in mm; the lower "
-        "edge lies inside; slots are half the width deep; at every slot: node / crossing lath; MARK: splice"
+        "edge lies inside; slots are half the width deep and cut square; at every slot: node / crossing lath; MARK: splice"
     )
     texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), 0.25 * width))
     bottom = -ROW * width * (len(schedule.laths) - 1)

@@ -135,7 +135,7 @@ def test_splices_lie_between_nodes_and_leave_no_part_longer_than_the_stock(net):
 
 def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     ezdxf = pytest.importorskip("ezdxf")
-    shapely = pytest.importorskip("shapely")
+    shapely, affinity = pytest.importorskip("shapely"), pytest.importorskip("shapely.affinity")
     write_net(tmp_path / "net.laths.dxf", net, width=100.0, thickness=10.0)
     document = ezdxf.readfile(tmp_path / "net.laths.dxf")
     assert document.header["$INSUNITS"] == 4
@@ -147,7 +147,10 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     schedule = lath_schedule(net, 100.0, 10.0)
     assert len(strips) == len(schedule.laths)
     for strip, lath in zip(strips, schedule.laths):
-        slots = 50.0 * (10.0 / np.abs(np.sin(lath.angles))).sum()
+        # What a crossing lath takes of the length of one 10 mm thick, cut square to it.
+        own, other = shapely.box(-1e3, -5.0, 1e3, 5.0), shapely.box(-1e3, -5.0, 1e3, 5.0)
+        crossings = [own.intersection(affinity.rotate(other, angle, use_radians=True)).bounds for angle in lath.angles.tolist()]
+        slots = 50.0 * sum(right - left for left, _, right, _ in crossings)
         assert strip.is_valid and strip.area == pytest.approx(1e5 * lath.length - slots, rel=1e-3)
 
 
