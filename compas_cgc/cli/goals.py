@@ -107,7 +107,7 @@ def _parsed(text: str) -> dict[str, Any]:
 
 
 def _unknown(texts: list[str]) -> list[dict[str, Any]]:
-    """Return goals of unknown K; regions of which nothing else is said are one goal."""
+    """Return the goals for unknown K; regions given as numbers alone form one goal."""
     # Loaded when it is used, so that help texts do not wait for compiled kernels.
     from ..model.goals.unknown_text import unknown_data
 

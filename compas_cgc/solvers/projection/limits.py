@@ -47,11 +47,11 @@ class Most(NamedTuple):
     """The most that can be had of a goal."""
 
     words: str
-    solution: Optional[Solution] = None  # with all that was asked for, where surfaces with less of it lead there
+    solution: Optional[Solution] = None  # that meets the whole goal, if surfaces with less of it lead there
 
 
 def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Most]:
-    """Return how much can be had of the first goal that a solution misses, None where that cannot be told.
+    """Return how much of the first missed goal can be reached, or None if that is unknown.
 
     The surface without the goal is solved first; between what it has and what is asked for the most that can be met is
     looked for by halving, each from the surface before. Where the first surface is fair, so is the one with the most.
