@@ -23,7 +23,7 @@ from typing import Union
 
 from .errors import FileError
 
-__all__ = ["PartlyPublished", "published_together", "recover", "replacing", "unwritable", "write_text"]
+__all__ = ["PartlyPublished", "is_full", "published_together", "recover", "replacing", "unwritable", "write_text"]
 
 # The umask can only be read by setting it, which is not safe when threads write files.
 _UMASK = os.umask(0)
@@ -137,11 +137,25 @@ def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
     If the block raises, the temporary file is removed and `path` is unchanged. The temporary file has the suffix of `path`, on which
     some writers depend. Links are followed; a device or pipe at `path` receives the content instead of being replaced. Within
     :func:`published_together`, the file is renamed at the end of that block.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written, or `path` is a folder.
     """
+    if os.path.isdir(path):
+        raise FileError(f"{path} is a folder; give the path of a file in it")
+    try:
+        with _replacing(path) as temporary:
+            yield temporary
+    except OSError as error:
+        raise FileError(unwritable(path, error)) from None
+
+
+@contextmanager
+def _replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
     special = os.path.exists(path) and not os.path.isfile(path)
     target = Path(path) if special else Path(os.path.realpath(path))
-    if target.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "it is a folder", str(path))
     folder = Path(tempfile.gettempdir()) if special else target.parent
     folder.mkdir(parents=True, exist_ok=True)
     recover(folder)
@@ -167,9 +181,14 @@ def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
 
 def unwritable(path: Union[str, os.PathLike], error: OSError) -> str:
     """Return a sentence on a file that cannot be written, with the remedy."""
-    full = error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", None))
-    mend = "free space on the disk, or choose another folder" if full else "close it in other programs, or choose another name or folder"
+    usual = "close it in other programs, or choose another name or folder"
+    mend = "free space on the disk, or choose another folder" if is_full(error) else usual
     return f"{path} cannot be written ({error.strerror or error}); {mend}"
+
+
+def is_full(error: OSError) -> bool:
+    """Check whether an error is caused by a full disk or a used-up quota."""
+    return error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", None))
 
 
 def write_text(path: Union[str, os.PathLike], text: str) -> None:

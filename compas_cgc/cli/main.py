@@ -15,6 +15,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Optional
 
+from .._atomic_write import is_full
+from .._atomic_write import unwritable
 from .._version import __version__
 from ..errors import nearest_name
 from ..io.formats import READ_SUFFIXES
@@ -88,8 +90,11 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         # The reader of the pipe has closed it; avoid an error message of Python at exit.
         sys.stdout = None
         return 0
-    except (ValueError, OSError) as error:
+    except ValueError as error:
         print(f"compas-cgc: {error}", file=sys.stderr)
+        return REFUSED
+    except OSError as error:
+        print(f"compas-cgc: {unwritable(error.filename or 'an output', error) if is_full(error) else error}", file=sys.stderr)
         return REFUSED
 
 

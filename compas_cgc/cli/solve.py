@@ -241,12 +241,12 @@ def _summary(result: SolveResult, analysis: SurfaceReport) -> str:
 
 
 def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, more: dict) -> None:
+    from .._atomic_write import replacing
     from .._version import __version__
-    from ..io._files import written
 
     path = _named(Path(arguments.report), result)
     report = {"version": __version__, "input": Path(arguments.input).name, **result.to_dict(), **analysis.to_dict(), **more}
-    with written(path) as temporary:
+    with replacing(path) as temporary:
         temporary.write_bytes((json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode("utf-8"))
 
 

@@ -1,20 +1,16 @@
-"""Atomic reading and writing of files, with readable errors."""
+"""Reading of files with readable errors, and choice of their formats."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Union
 
 from .._atomic_write import recover
-from .._atomic_write import replacing
-from .._atomic_write import unwritable
 from .._samples import no_file
 from ..errors import FileError
 
-__all__ = ["read_bytes", "suffix_among", "written"]
+__all__ = ["read_bytes", "suffix_among"]
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
@@ -35,24 +31,6 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
         raise FileError(no_file(path)) from None
     except OSError as error:
         raise FileError(f"{path} cannot be read ({error.strerror})") from None
-
-
-@contextmanager
-def written(path: Union[str, os.PathLike]) -> Iterator[Path]:
-    """Yield a temporary path beside `path`, and rename that file to `path` when the block ends without error.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be written; an existing file remains unchanged.
-    """
-    if os.path.isdir(path):
-        raise FileError(f"{path} is a folder; give the path of a file in it")
-    try:
-        with replacing(path) as temporary:
-            yield temporary
-    except OSError as error:
-        raise FileError(unwritable(path, error)) from None
 
 
 def suffix_among(path: Union[str, os.PathLike], suffixes: tuple[str, ...], what: str) -> str:

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 from typing import Union
 
+from .._atomic_write import replacing
 from ..fabrication.mould_report import MouldReport
 from ..fabrication.tables import csv_text
 from ..fabrication.tasks import file_options
 from ..model.problem import CGCProblem
 from ._files import suffix_among
-from ._files import written
 from .forces import write_forces
 from .formats import OUTPUTS
 from .nets import write_net
@@ -115,7 +115,7 @@ def write_mould_files(
         from .mould_step import mould_step_bytes
 
         content, notes = mould_step_bytes(problem, report)
-    with written(path) as temporary:
+    with replacing(path) as temporary:
         temporary.write_bytes(content)
     return notes
 

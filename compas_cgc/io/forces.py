@@ -7,10 +7,10 @@ import os
 from typing import Any
 from typing import Union
 
+from .._atomic_write import replacing
 from .._version import __version__
 from ..fabrication.membrane_state import MembraneState
 from ._files import suffix_among
-from ._files import written
 from .formats import OUTPUTS
 from .inp import Model
 from .inp import inp_text
@@ -45,7 +45,7 @@ def write_forces(path: Union[str, os.PathLike], state: MembraneState, **model: A
         write_force_layers(path, state)
         return
     text = inp_text(state, Model(**model)) if suffix == ".inp" else forces_json(state)
-    with written(path) as temporary:
+    with replacing(path) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
 
 

@@ -9,6 +9,7 @@ from typing import Union
 
 import numpy as np
 
+from .._atomic_write import replacing
 from ..fabrication.curves import CurveNet
 from ..fabrication.curves import plural
 from ..fabrication.dxf import dxf_text
@@ -19,7 +20,6 @@ from ..fabrication.lath_files import schedule_text
 from ..fabrication.laths import lath_schedule
 from ..fabrication.plain_data import build_data
 from ._files import suffix_among
-from ._files import written
 from .formats import OUTPUTS
 
 __all__ = ["write_net"]
@@ -54,10 +54,10 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet, **laths: Any) -> Non
     if suffix.startswith(".laths"):
         schedule = lath_schedule(net, **laths)
         text = schedule_text(schedule) if suffix.endswith(".csv") else dxf_text(draw_laths(schedule))
-        with written(path) as temporary:
+        with replacing(path) as temporary:
             temporary.write_bytes(text.encode("utf-8"))
         return
-    with written(path) as temporary:
+    with replacing(path) as temporary:
         if suffix == ".json":
             temporary.write_bytes((json.dumps(build_data("net", net.problem, net)) + "\n").encode("utf-8"))
         else:

@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Union
 
+from .._atomic_write import replacing
 from ..errors import CGCError
 from ..fabrication.assembly import draw_plan
 from ..fabrication.drawing import Drawing
@@ -20,7 +21,6 @@ from ..fabrication.piece_list import cut_list_text
 from ..fabrication.svg import svg_text
 from ..fabrication.tables import edge_table_text
 from ._files import suffix_among
-from ._files import written
 from .formats import OUTPUTS
 
 __all__ = ["write_patterns"]
@@ -73,7 +73,7 @@ def write_patterns(
         contents = {path: _content(path, suffix, patterns, nodes, units)}
     with ExitStack() as files:
         for name, content in contents.items():
-            files.enter_context(written(name)).write_bytes(content)
+            files.enter_context(replacing(name)).write_bytes(content)
     return list(contents)
 
 

@@ -6,6 +6,7 @@ import json
 import os
 from typing import Union
 
+from .._atomic_write import replacing
 from ..fabrication.dxf import new_document
 from ..fabrication.dxf import show_all
 from ..fabrication.plain_data import build_data
@@ -13,7 +14,6 @@ from ..fabrication.quad_tables import beam_text
 from ..fabrication.quad_tables import face_text
 from ..fabrication.quads import PlaneQuads
 from ._files import suffix_among
-from ._files import written
 from .formats import OUTPUTS
 
 __all__ = ["write_quads"]
@@ -43,7 +43,7 @@ def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
 
         write_quad_layers(path, quads)
         return
-    with written(path) as temporary:
+    with replacing(path) as temporary:
         if suffix == ".dxf":
             _write_dxf(str(temporary), quads)
         else:

@@ -13,13 +13,13 @@ from typing import Optional
 from typing import Union
 from typing import cast
 
+from .._atomic_write import replacing
 from ..errors import FileError
 from ..errors import names_what_was_meant
 from ..meshing.cleanup import Omission
 from ..model.manifold import as_manifold
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
-from ._files import written
 from .compas_json import json_text
 from .compas_json import read_json
 from .cursor import guarded
@@ -267,7 +267,7 @@ def write(
         text = _function("{}_text", suffix)(problem)
         if problem.laws:
             notes.append(f"the laws of regions {listed(map(str, problem.laws))} are not in {target.name}; .3dm and .json files hold laws")
-    with written(target) as temporary:
+    with replacing(target) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
     return notes
 
@@ -276,7 +276,7 @@ def _write_step(target: Path, surface: Union[SolveResult, PosesProblem]) -> list
     from .step import step_bytes
 
     content, notes = step_bytes(problem_of(surface, "or a result is written").without_dummies())
-    with written(target) as temporary:
+    with replacing(target) as temporary:
         temporary.write_bytes(content)
     return notes
 

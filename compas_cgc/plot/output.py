@@ -92,11 +92,8 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     """
     path = Path(path)
     kind = _kind_of(path)
-    try:
-        with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
-            figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
-    except OSError as error:
-        raise FileError(f"the picture {path} cannot be written ({error.strerror or error}); choose another path") from error
+    with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
+        figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
     return path
 
 
@@ -112,13 +109,10 @@ def save_pages(figures: Iterable[Figure], path: Union[str, os.PathLike]) -> Path
     if path.suffix.lower() != ".pdf":
         raise FileError(f"drawings with several pages need the suffix .pdf, not that of {path.name!r}")
     pages = matplotlib_module("backends.backend_pdf")
-    try:
-        with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
-            with pages.PdfPages(beside, metadata=FORMATS[".pdf"]) as written:
-                for figure in figures:
-                    written.savefig(figure, facecolor="white")
-    except OSError as error:
-        raise FileError(f"the drawings {path} cannot be written ({error.strerror or error}); choose another path") from error
+    with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
+        with pages.PdfPages(beside, metadata=FORMATS[".pdf"]) as written:
+            for figure in figures:
+                written.savefig(figure, facecolor="white")
     return path
 
 

@@ -153,6 +153,26 @@ def test_a_full_disk_at_the_journal_leaves_the_old_files_and_names_the_first(tmp
     assert states(tmp_path) == {"old"} and left(tmp_path) == []
 
 
+@pytest.mark.parametrize("failing", ["fsync", "chmod", "replace"])
+def test_a_full_disk_under_any_file_is_one_sentence_with_the_remedy(tmp_path, monkeypatch, failing):
+    def full(*args):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(_atomic_write.os, failing, full)
+    with pytest.raises(FileError, match="record.json cannot be written .No space left on device.; free space on the disk"):
+        write_text(tmp_path / "record.json", "new")
+    assert left(tmp_path) == []
+
+
+def test_a_disk_too_full_for_a_folder_is_one_sentence_with_the_remedy(plan, monkeypatch, capsys):
+    def check(arguments):
+        raise OSError(errno.ENOSPC, "No space left on device", "out/best")
+
+    monkeypatch.setattr("compas_cgc.cli.check.run", check)
+    assert main(["check", str(plan)]) == REFUSED
+    assert "out/best cannot be written (No space left on device); free space on the disk" in capsys.readouterr().err
+
+
 def test_links_are_followed_and_devices_are_written_to(tmp_path):
     (tmp_path / "real.txt").write_text("old")
     (tmp_path / "link.txt").symlink_to(tmp_path / "real.txt")

@@ -11,9 +11,9 @@ from typing import Any
 from typing import NamedTuple
 from typing import Union
 
+from ..._atomic_write import replacing
 from ..._samples import no_file
 from ...errors import FileError
-from .._files import written
 from ._types import Archive
 from ._types import Geometry
 
@@ -108,7 +108,7 @@ def write_archive(archive: Archive, path: Union[str, os.PathLike], version: int 
     """
     if version not in (7, 8):
         raise ValueError(f"version must be 7 or 8, not {version!r}")
-    with written(path) as temporary:
+    with replacing(path) as temporary:
         if not archive.Write(str(temporary), version):
             raise FileError(f"{path} cannot be written: rhino3dm failed; check that the disk is not full")
 
