@@ -48,7 +48,7 @@ class CarryOver:
         self._degree, self._around, self._scale, self._solver = _fits(points, tree)
         many = min(BLENDED_FITS + 1, len(points))
         distance, near = tree.query(places, many)
-        distance, self._near = distance.reshape(len(places), -1), near.reshape(len(places), -1)
+        distance, self._near = distance.reshape(len(places), many), near.reshape(len(places), many)
         self._weight = np.ones((len(places), 1))
         if many > 1:
             # Franke-Little weights blend the polynomials smoothly.

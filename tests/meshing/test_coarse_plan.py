@@ -60,6 +60,12 @@ def test_polynomials_of_degree_four_are_carried_over_exactly():
     assert np.abs(carried - np.column_stack([u**4 - 3 * u * v**3, v**2])).max() < 1e-7
 
 
+def test_nothing_is_carried_to_no_places():
+    # A region between creases may have no vertex of its own.
+    for points in (np.zeros((1, 2)), np.eye(3, 2)):
+        assert CarryOver(points, np.zeros((0, 2)))(np.ones((len(points), 3))).shape == (0, 3)
+
+
 def test_the_error_of_what_is_carried_over_falls_with_the_fifth_power():
     goal = np.random.default_rng(2).uniform(0.1, 0.9, size=(500, 2))
 
