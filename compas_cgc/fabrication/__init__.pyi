@@ -4,7 +4,6 @@ from .curves import curve_net as curve_net
 from .development import Development as Development
 from .development import develop as develop
 from .development import lay_out as lay_out
-from .drawing import draw_sheets as draw_sheets
 from .flattening import flatten as flatten
 from .flattening import widest_panel as widest_panel
 from .materials import MATERIALS as MATERIALS
@@ -20,4 +19,5 @@ from .piece_list import cut_list as cut_list
 from .plane_layout import unfold as unfold
 from .quads import PlaneQuads as PlaneQuads
 from .quads import plane_quads as plane_quads
+from .sheet_drawing import draw_sheets as draw_sheets
 from .unrolling import unroll as unroll

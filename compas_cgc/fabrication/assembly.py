@@ -9,16 +9,24 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..errors import names_what_was_meant
 from .drawing import LETTER_WIDTH
-from .drawing import MARK_LENGTH
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
 from .drawing import clearance
 from .drawing import roomiest
+from .figures import in_mm
+from .legend import with_legend
 from .patterns import Patterns
 from .patterns import refuse_others
+from .sheet_drawing import MARK_LENGTH
 
 __all__ = ["courses", "draw_plan", "neighbours", "numbered_courses"]
+
+MEANINGS = {
+    "OUTLINE": "edges of the pieces",
+    "LABEL": "name of the piece, and in brackets its course: 1 for pieces on supports, 2 for their neighbours, and so on",
+    "SEAM": "number of the seam, as on the sheets",
+}
 
 
 def neighbours(patterns: Patterns) -> list[list[int]]:
@@ -122,4 +130,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
         texts.append(Text("SEAM", text, 0.5 * (along[edge] + along[edge + 1]) + clearance(text, small, aside) * aside, small))
     title = f"plan of {len(patterns.pieces)} pieces with courses from the supports in brackets, and seam numbers"
     texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
-    return Drawing(lines, texts, size, patterns.problem.drawing.units)
+    units = patterns.problem.drawing.units
+    origin = ", ".join(f"{axis} = {in_mm([value], units)}" for axis, value in zip("xy", low.tolist()))
+    notes = [f"seen from above, x to the right and y up; the lower left corner of this plan lies at {origin} of the model"]
+    return with_legend(Drawing(lines, texts, size, units), MEANINGS, notes, 0.75 * height)

@@ -56,7 +56,7 @@ def dxf_text(drawing: Drawing) -> str:
     Parameters
     ----------
     drawing
-        Result of :func:`compas_cgc.fabrication.drawing.draw_sheets`.
+        Result of :func:`compas_cgc.fabrication.draw_sheets`.
 
     Raises
     ------
@@ -67,20 +67,18 @@ def dxf_text(drawing: Drawing) -> str:
     from ezdxf import colors
     from ezdxf.enums import TextEntityAlignment
 
-    for name, colour in LAYERS.items():
-        # Colour 7 contrasts with the screen background, light or dark.
-        layer = (
-            document.layers.add(name, color=7) if max(colour) < DARK_LEVEL else document.layers.add(name, true_color=colors.rgb2int(colour))
-        )
-        if name in drawing.hidden:
-            layer.freeze()
+    # Colour 7 contrasts with the screen background, light or dark.
+    paints = {name: {"color": 7} if max(colour) < DARK_LEVEL else {"true_color": colors.rgb2int(colour)} for name, colour in LAYERS.items()}
+    for name in dict.fromkeys([*(line.layer for line in drawing.lines), *(text.layer for text in drawing.texts)]):
+        document.layers.add(name, **paints[name])
     space = document.modelspace()
     for line in drawing.lines:
         space.add_lwpolyline(line.points.tolist(), close=line.closed, dxfattribs={"layer": line.layer})
     for text in drawing.texts:
         if text.height > 0:
-            entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer})
-            entity.set_placement(tuple(text.place.tolist()), align=TextEntityAlignment.MIDDLE_CENTER)
+            entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer, **paints.get(text.colour, {})})
+            align = TextEntityAlignment.MIDDLE_LEFT if text.starts else TextEntityAlignment.MIDDLE_CENTER
+            entity.set_placement(tuple(text.place.tolist()), align=align)
     faults = document.audit().errors
     if faults:
         raise CGCError(f"ezdxf reports {len(faults)} errors in the DXF, the first: {faults[0].message}; please report this")

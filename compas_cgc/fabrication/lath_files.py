@@ -8,13 +8,24 @@ from ..discrete.arrays import FloatArray
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
+from .drawing import clearance
 from .laths import Lath
 from .laths import LathSchedule
+from .legend import with_legend
 from .tables import csv_text
 
 __all__ = ["draw_laths", "schedule_text"]
 
 ROW = 2.0  # distance of strips in the drawing, relative to their width
+PLAN_GAP = 10.0  # distance of the plan from the strips, relative to their width
+PLAN_TEXT = 0.012  # height of the numbers of laths in the plan, relative to its size
+MEANINGS = {
+    "CUT": "contour of the strips with their slots, to cut",
+    "MARK": "splice",
+    "LABEL": "number of the lath, at its station 0",
+    "NODE": "on strips: node / crossing lath, to engrave; in the plan: node",
+    "SHEET": "title; not cut",
+}
 
 _HEAD = (
     "lath",
@@ -24,6 +35,7 @@ _HEAD = (
     "twist in degrees per m",
     "stress in MPa",
     "shear in MPa",
+    "screw",
     "splices in mm",
     "node",
     "station in mm",
@@ -32,16 +44,16 @@ _HEAD = (
     "slot width in mm",
     "slot from",
     "bending radius in mm",
+    "bends to",
+    "x in mm",
+    "y in mm",
+    "z in mm",
 )
 
 
 def schedule_text(schedule: LathSchedule) -> str:
-    """Return the schedule as CSV: one row per node of every lath.
-
-    The angle is the one from the lath of family 0 to that of family 1, counterclockwise seen from outside. Twist is positive for a
-    right-handed screw. The bending radius is positive if the lath bends to the left seen from outside, and empty where it is straight.
-    """
-    return csv_text(_HEAD, (row for lath in schedule.laths for row in _rows(lath, schedule)))
+    """Return the schedule as CSV: one row per node of every lath, with the conventions as notes in the last column."""
+    return csv_text(_HEAD, (row for lath in schedule.laths for row in _rows(lath, schedule)), _notes(schedule))
 
 
 def _rows(lath: Lath, schedule: LathSchedule) -> list[tuple]:
@@ -54,19 +66,40 @@ def _rows(lath: Lath, schedule: LathSchedule) -> list[tuple]:
         f"{np.degrees(lath.twist) / schedule.unit:.4f}",
         f"{1e-6 * lath.stress:.2f}",
         f"{1e-6 * lath.shear:.2f}",
+        "right-handed" if lath.twist > 0.0 else "left-handed",
         " ".join(f"{mm * at:.1f}" for at in lath.splices),
     )
     rows = []
     places = zip(lath.nodes.tolist(), lath.stations.tolist(), lath.across.tolist(), np.degrees(lath.angles).tolist())
-    for (node, station, across, degrees), slot, bend in zip(places, _slots(lath.angles, schedule).tolist(), lath.bending.tolist()):
-        radius = "" if abs(bend) < 1e-6 / schedule.unit else f"{mm / bend:.0f}"
-        rows.append((*about, node, f"{mm * station:.1f}", across, f"{degrees:.2f}", f"{slot:.1f}", _side(lath), radius))
+    bends = zip(lath.bending.tolist(), (mm * lath.points).tolist())
+    for (node, station, across, degrees), slot, (bend, point) in zip(places, _slots(lath.angles, schedule).tolist(), bends):
+        straight = abs(bend) < 1e-6 / schedule.unit
+        bent = ("", "") if straight else (f"{mm / bend:.0f}", "left" if bend > 0.0 else "right")
+        own = (node, f"{mm * station:.1f}", across, f"{degrees:.2f}", f"{slot:.1f}", _side(lath), *bent)
+        rows.append((*about, *own, *(f"{value:.1f}" for value in point)))
     return rows
 
 
 def _slots(angles: FloatArray, schedule: LathSchedule) -> FloatArray:
     """Return the widths (k,) of slots, cut square to the lath, for laths that cross at angles (k,) [rad] [mm]."""
     return schedule.thickness * (1.0 + np.abs(np.cos(angles))) / np.abs(np.sin(angles))
+
+
+def _notes(schedule: LathSchedule) -> list[str]:
+    """Return the conventions of the schedule and the drawing."""
+    above = {True: ", here above everywhere", False: ", here below everywhere", None: ""}[schedule.above]
+    return [
+        "lengths in mm, angles in degrees; x, y, z: nodes in the coordinates of the model, x and y in plan, z up, with its origin",
+        f"outside: the side to which the normals of the surface point{above}; the width of the laths lies along the normals",
+        "station 0 is the start of a lath, in the drawing its left end and in the plan the end beside its number; left and right: for an "
+        "observer outside who looks from station 0 along the lath",
+        "twist: rotation about the axis per metre, positive for a right-handed screw: the far end is turned clockwise, seen from station 0",
+        "bending radius: about the weak axis, positive if the lath bends to the left, negative if to the right, empty where it is straight",
+        "angle: counterclockwise seen from outside, from the direction of the lath of family 0 to that of family 1, both from station 0 on",
+        "slots: half the width deep, cut square, width along the lath; family 0 is slotted from the inside, family 1 from the outside",
+        "stress: bending and stretch of the outer fibres by twisting; shear: by twisting; without loads and safety factors",
+        "splices: stations at which stock lengths meet",
+    ]
 
 
 def _side(lath: Lath) -> str:
@@ -105,10 +138,34 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
         texts.append(Text("LABEL", f"L{lath.number}", np.array([-width, low + 0.5 * width]), 0.4 * width))
     title = (
         f"{len(schedule.laths)} laths of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}; all lengths in mm; the lower "
-        "edge lies inside; slots are half the width deep and cut square; at every slot: node / crossing lath; MARK: splice"
+        "edge lies inside; the face towards the viewer is the right one"
     )
     texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), 0.25 * width))
     bottom = -ROW * width * (len(schedule.laths) - 1)
     lines = [line._replace(points=line.points - [0.0, bottom]) for line in lines]
     texts = [text._replace(place=text.place - [0.0, bottom]) for text in texts]
-    return Drawing(lines, texts, (right, 2.5 * width - bottom), "Millimeters")
+    top = 2.5 * width - bottom
+    low = mm * np.min([lath.path[:, :2].min(axis=0) for lath in schedule.laths], axis=0)
+    plan = _plan(schedule, low - [right + PLAN_GAP * width, 0.0])
+    corner = f"x = {low[0]:.1f}, y = {low[1]:.1f} of the model"
+    notes = [*_notes(schedule), f"PLAN: axes of the laths, seen from above, at the right; its lower left corner lies at {corner}"]
+    drawing = with_legend(Drawing(lines, texts, (right, top), "Millimeters"), MEANINGS, notes, 0.3 * width, max(right, 40.0 * width))
+    size = np.max([drawing.size, *(line.points.max(axis=0) for line in plan.lines)], axis=0)
+    return Drawing([*drawing.lines, *plan.lines], [*drawing.texts, *plan.texts], (float(size[0]), float(size[1])), "Millimeters")
+
+
+def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
+    """Return the laths in plan, with their numbers at station 0 and the numbers of nodes, moved by -origin [mm]."""
+    mm = 1e3 * schedule.unit
+    height = PLAN_TEXT * mm * float(np.ptp(np.concatenate([lath.path for lath in schedule.laths]), axis=0).max())
+    lines, texts, numbers = list[Line](), list[Text](), dict[int, FloatArray]()
+    for lath in schedule.laths:
+        path = mm * lath.path[:, :2] - origin
+        lines.append(Line("PLAN", path))
+        back = path[0] - path[1]
+        text = f"L{lath.number}"
+        back = back / max(float(np.linalg.norm(back)), np.finfo(float).tiny)
+        texts.append(Text("LABEL", text, path[0] + clearance(text, height, back) * back, height))
+        numbers.update(zip(lath.nodes.tolist(), mm * lath.points[:, :2] - origin))
+    texts += [Text("NODE", str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
+    return Drawing(lines, texts, (0.0, 0.0), "Millimeters")

@@ -44,6 +44,8 @@ class Lath(NamedTuple):
     stress: float  # largest sum of bending stress and stress of the outer fibres by twisting [Pa]
     shear: float  # shear stress by twisting [Pa]
     splices: tuple[float, ...]  # distances from its start at which stock lengths meet [L]
+    points: FloatArray  # (k, 3) positions of its nodes [L]
+    path: FloatArray  # (p, 3) the curve, from station 0 [L]
 
 
 class LathSchedule(NamedTuple):
@@ -54,6 +56,7 @@ class LathSchedule(NamedTuple):
     thickness: float  # [mm]
     material: Material
     unit: float  # length of the model unit [m]
+    above: Optional[bool]  # whether the outside, to which normals point, is above everywhere (True) or below (False), else None
 
 
 def lath_schedule(
@@ -138,9 +141,13 @@ def lath_schedule(
                 stress,
                 shear,
                 splices,
+                net.nodes[nodes],
+                curve.points,
             )
         )
-    return LathSchedule(laths, float(width), float(thickness), stuff, unit)
+    up = own_normals[:, 2]
+    above = True if up.min() > 0.0 else False if up.max() < 0.0 else None
+    return LathSchedule(laths, float(width), float(thickness), stuff, unit, above)
 
 
 class _Followed(NamedTuple):

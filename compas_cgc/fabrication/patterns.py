@@ -28,6 +28,7 @@ from .patchwork import NONE
 from .patchwork import Patchwork
 from .patchwork import mates
 from .patchwork import outline_sides
+from .piece_checks import remarks
 from .piece_strains import strains_of
 from .placing import Placed
 from .rulings import Ruling
@@ -156,6 +157,8 @@ class Patterns:
             counts = [(self.sheet_sizes.count(size), size) for size in sorted(set(self.sheet_sizes), reverse=True)]
             sheets = ", ".join(f"{count} sheet{'' if count == 1 else 's'} of {in_mm(size, units)}" for count, size in counts)
             lines.append(f"{sheets}, {100 * used:.0f} % used")
+        if self.stock.stuff:
+            lines.append(f"material: {self.stock.stuff}")
         free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.strip, "around pieces")]
         lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
         lines.append(f"largest length difference between the sides of a seam: {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
@@ -165,6 +168,7 @@ class Patterns:
                 f"{seam.number} ({'/'.join(self.pieces[k].label for k in seam.pieces)}, {in_mm([seam.length], units)})" for seam in short
             )
             lines.append(f"seams shorter than 100 mm: {named}")
+        lines += remarks(self)
         for own in self.unrollings:
             if own.unrolled:
                 lines.append(

@@ -7,11 +7,15 @@ import numpy as np
 from ..errors import names_what_was_meant
 from .assembly import courses
 from .assembly import neighbours
-from .drawing import folded
 from .figures import in_mm
 from .figures import in_square_metres
+from .figures import metres
 from .patterns import Patterns
 from .patterns import refuse_others
+from .piece_checks import at_sheet_edge
+from .piece_checks import contours
+from .piece_checks import sharpest_corner
+from .sheet_drawing import folded
 from .tables import csv_text
 
 __all__ = ["cut_list", "cut_list_text"]
@@ -28,6 +32,12 @@ _HEAD = (
     "neighbours",
     "course",
     "mould",
+    "sharpest corner in degrees",
+    "on edge of sheet",
+    "least bending radius in mm",
+    "bends",
+    "material",
+    "thickness in mm",
 )
 
 
@@ -50,7 +60,9 @@ def cut_list(patterns: Patterns) -> list[tuple]:
     list of tuple
         Number of the sheet, from 1; name and region of the piece; area without allowance [m2], three decimals; length and width
         of the bounding rectangle, and the cutting length with holes [mm], one decimal; number of folds; names of neighbours;
-        course from the supports; mould, empty if K = 0.
+        course from the supports; mould, empty if K = 0; sharpest corner [degree]; ``yes`` if a contour lies on the edge of the sheet;
+        least radius of bending across the rulings [mm], and whether the piece bends away from its outside, towards it or both, empty
+        without rulings; material and thickness of the sheets [mm], empty if not given.
 
     Examples
     --------
@@ -65,17 +77,28 @@ def cut_list(patterns: Patterns) -> list[tuple]:
     own = patterns.patchwork
     # Both faces of an edge count its fold.
     folds = np.bincount(own.piece, folded(patterns).sum(axis=1), len(patterns.pieces)) / 2
-    rows = []
+    rows, stuff = [], (patterns.stock.material, f"{patterns.stock.thickness:g}" if patterns.stock.thickness else "")
     for number, (piece, beside, course) in enumerate(zip(patterns.pieces, neighbours(patterns), courses(patterns))):
-        loops = piece.allowance or [loop.points for loop in piece.loops]
+        loops = contours(piece)
         sides = np.ptp(loops[0], axis=0)
         around = sum(float(np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1).sum()) for loop in loops)
         lengths = [in_mm([length], units).removesuffix(" mm") for length in (max(sides), min(sides), around)]
         labels = " ".join(patterns.pieces[k].label for k in beside)
         area = in_square_metres(piece.area, units)
         mould = _mould(patterns, piece.region)
-        rows.append((piece.sheet + 1, piece.label, piece.region, area, *lengths, round(folds[number]), labels, course, mould))
+        about = (piece.sheet + 1, piece.label, piece.region, area, *lengths, round(folds[number]), labels, course, mould)
+        edge = "yes" if at_sheet_edge(patterns, piece) else ""
+        rows.append((*about, f"{np.degrees(sharpest_corner(piece)):.1f}", edge, *_bending(patterns, number), *stuff))
     return sorted(rows, key=lambda row: row[0])
+
+
+def _bending(patterns: Patterns, piece: int) -> tuple[str, str]:
+    """Return the least radius of bending across the rulings of a piece [mm], and the sides to which it bends."""
+    bends = [ruling.bending for ruling in patterns.rulings if ruling.piece == piece and ruling.bending]
+    if not bends:
+        return "", ""
+    sides = {"away" if bend > 0.0 else "towards" for bend in bends}
+    return f"{1e3 * metres(patterns.problem.drawing.units) / max(map(abs, bends)):.0f}", " ".join(sorted(sides))
 
 
 def _mould(patterns: Patterns, region: int) -> str:

@@ -13,13 +13,13 @@ from ..model.problem import CGCProblem
 from .crosses import crosses
 from .curves import CurveNet
 from .drawing import LAYERS
-from .drawing import draw_sheets
 from .membrane_state import MembraneState
 from .membrane_state import forces_at_vertices
 from .mould_report import MouldReport
 from .mould_surface import cap_mesh
 from .patterns import Patterns
 from .quads import PlaneQuads
+from .sheet_drawing import draw_sheets
 
 __all__ = ["build_data", "plain"]
 

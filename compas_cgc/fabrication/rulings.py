@@ -18,6 +18,7 @@ from .curves.net import usual_spacing
 from .patchwork import Patchwork
 from .patchwork import pairs_of_equal
 from .patchwork import weights_in
+from .shape_operators import shape_operators
 
 __all__ = ["MAX_BOW", "Ruling", "Straightness", "rulings_of"]
 
@@ -29,6 +30,7 @@ class Ruling(NamedTuple):
 
     piece: int
     points: FloatArray  # (k, 2) points on the sheet [L]
+    bending: float  # curvature across its middle, positive if the piece bends away from its outside [1/L]
 
 
 class Straightness(NamedTuple):
@@ -57,12 +59,21 @@ def rulings_of(
             continue  # Flat, or too coarse for curvatures.
         off = np.array([curve.straightness for curve in net.curves])
         straightness[region] = Straightness(float(np.median(off)), float(off.max()))
-        rulings += _on_pieces(patchwork, net)
+        operators = shape_operators(problem.vertices, problem.faces[problem.regions() == region]).operators
+        rulings += _on_pieces(patchwork, net, np.trace(operators, axis1=1, axis2=2))
     return rulings, straightness
 
 
-def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
-    """Return the straight curves on the sheets, cut at the boundaries of pieces."""
+def _on_pieces(own: Patchwork, net: CurveNet, bending: FloatArray) -> list[Ruling]:
+    """Return the straight curves on the sheets, cut at the boundaries of pieces.
+
+    Parameters
+    ----------
+    own, net
+        The pieces and the curves.
+    bending
+        (n,) sum of the principal curvatures at mesh vertices, which is the curvature across rulings [1/L].
+    """
     curves = [curve for curve in net.curves if curve.straightness <= MAX_BOW]
     if not curves:
         return []
@@ -78,6 +89,9 @@ def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
     order = np.lexsort((low, segment))
     segment, face = segment[order], face[order]
     begin, finish = (((1 - t)[:, None] * a + t[:, None] * b)[order] for t in (low, high))
+    middle = np.einsum("kc,kcj->kj", 0.5 * (begin + finish), own.space[own.faces[face]])
+    whole = net.problem.faces[own.parent[face]]
+    across = np.einsum("kc,kc->k", weights_in(net.problem.vertices[whole], middle), bending[whole])
     places = [np.einsum("kc,kcj->kj", weights, own.plane[face]) for weights in (begin, finish)]
     piece = own.piece[face]
     broken = np.ones(len(face), bool)
@@ -86,7 +100,8 @@ def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
     rulings = []
     for part in np.split(np.arange(len(face)), np.flatnonzero(broken)[1:]):
         if len(part):
-            rulings.append(Ruling(int(piece[part[0]]), np.vstack([places[0][part], places[1][part[-1:]]])))
+            points = np.vstack([places[0][part], places[1][part[-1:]]])
+            rulings.append(Ruling(int(piece[part[0]]), points, float(across[part[len(part) // 2]])))
     return rulings
 
 

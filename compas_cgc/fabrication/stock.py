@@ -29,6 +29,13 @@ class Stock(NamedTuple):
     smaller: tuple[tuple[float, float], ...] = ()  # length and width of further sheets, the smallest first [L]
     grain: Optional[tuple[float, float]] = None  # direction in plan along the length of the sheets; None for any
     kerf: float = 0.0  # width that the tool removes [L]
+    material: str = ""  # empty if not given
+    thickness: float = 0.0  # [mm], 0 if not given
+
+    @property
+    def stuff(self) -> str:
+        """Material and thickness in words, such as ``plywood, 12 mm thick``; empty if neither is given."""
+        return ", ".join(part for part in (self.material, f"{self.thickness:g} mm thick" if self.thickness else "") if part)
 
     @property
     def strip(self) -> float:
@@ -52,6 +59,8 @@ def stock_of(
     allowance: float,
     grain: Optional[tuple[float, float]] = None,
     kerf: float = 0.0,
+    material: str = "",
+    thickness: float = 0.0,
 ) -> Stock:
     """Return the validated stock.
 
@@ -69,6 +78,8 @@ def stock_of(
         Direction in plan along the length of the sheets. None: any.
     kerf
         Width that the tool removes [L].
+    material, thickness
+        Material and thickness of the sheets [mm].
 
     Raises
     ------
@@ -84,6 +95,7 @@ def stock_of(
         "margin at the edges of a sheet": checked_number(margin, "margin"),
         "allowance around pieces": checked_number(allowance, "allowance"),
         "kerf of the tool": checked_number(kerf, "kerf"),
+        "thickness of the sheets": checked_number(thickness, "thickness"),
     }
     for what, length in lengths.items():
         if length is not None and not 0 <= length < np.inf:
@@ -104,7 +116,10 @@ def stock_of(
             f"{(size[1] - 2 * margin) / (2 * MITRE_LIMIT):.3g}, in the units of the drawing"
         )
     apart = DEFAULT_SPACING * size[1] if spacing is None and size is not None else spacing
-    return Stock(size, apart, margin, allowance, tuple(sizes[:-1]), None if grain is None else (float(grain[0]), float(grain[1])), kerf)
+    if not isinstance(material, str):
+        raise CGCError(f"the material must be a name, such as plywood, not {material!r:.60}")
+    along = None if grain is None else (float(grain[0]), float(grain[1]))
+    return Stock(size, apart, margin, allowance, tuple(sizes[:-1]), along, kerf, material.strip(), float(thickness))
 
 
 def _several(sheet: object) -> list[object]:

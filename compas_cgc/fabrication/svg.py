@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from xml.sax.saxutils import escape
+
 from .drawing import LAYERS
 from .drawing import Drawing
 
@@ -24,9 +26,7 @@ def svg_text(drawing: Drawing) -> str:
         f'viewBox="0 0 {width!r} {height + top!r}">'
     ]
     for layer, colour in LAYERS.items():
-        paint = "#{:02x}{:02x}{:02x}".format(*colour)
-        shown = ' display="none"' if layer in drawing.hidden else ""
-        lines.append(f'<g id="{layer}" fill="none" stroke="{paint}" stroke-width="{stroke:.3g}"{shown}>')
+        lines.append(f'<g id="{layer}" fill="none" stroke="{_paint(colour)}" stroke-width="{stroke:.3g}">')
         for line in drawing.lines:
             if line.layer == layer:
                 tag = "polygon" if line.closed else "polyline"
@@ -35,11 +35,17 @@ def svg_text(drawing: Drawing) -> str:
         for text in drawing.texts:
             if text.layer == layer and text.height > 0:
                 x, y = text.place.tolist()
+                words = escape(text.text)
                 # Many programs render font sizes below one unit badly, so texts are large and scaled down.
                 size = text.height / _LETTERS
+                anchor, paint = "start" if text.starts else "middle", _paint(LAYERS[text.colour or layer])
                 lines.append(
                     f'<text transform="translate({x:.6g} {height + top - y + 0.35 * text.height:.6g}) scale({size:.6g})" '
-                    f'font-size="{_LETTERS}" text-anchor="middle" font-family="sans-serif" fill="{paint}" stroke="none">{text.text}</text>'
+                    f'font-size="{_LETTERS}" text-anchor="{anchor}" font-family="sans-serif" fill="{paint}" stroke="none">{words}</text>'
                 )
         lines.append("</g>")
     return "\n".join([*lines, "</svg>", ""])
+
+
+def _paint(colour: tuple[int, int, int]) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*colour)

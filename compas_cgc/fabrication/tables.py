@@ -22,12 +22,16 @@ _FORMULA_MARKS = frozenset("=+-@\t\r")  # first characters of formulas in spread
 _HEAD = ("piece", "from", "to", "kind", "length in space in mm", "length in plane in mm", "fold in degrees", "seam", "beyond")
 
 
-def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table as CSV."""
+def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]], notes: Sequence[str] = ()) -> str:
+    """Return a table as CSV; a last column holds the notes, one per row, so that every row is still a row of the table."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([escaped(name) for name in head])
-    writer.writerows([escaped(value) for value in row] for row in rows)
+    lines = [list(row) for row in rows]
+    if notes:
+        for k, line in enumerate(lines):
+            # The last row takes the notes for which there are no rows.
+            line.append(" ".join(notes[k:]) if k == len(lines) - 1 else notes[k] if k < len(notes) else "")
+    writer.writerows([escaped(value) for value in line] for line in [[*head, *(["notes"] if notes else [])], *lines])
     return text.getvalue()
 
 

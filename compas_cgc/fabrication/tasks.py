@@ -41,6 +41,7 @@ class Task(NamedTuple):
 
 DIVIDES = {"size", "count", "columns", "rows", "curves"}  # options that define joints
 _NUMBER = {"type": "number", "minimum": -values.LARGEST, "maximum": values.LARGEST}
+_TEXT = {"type": "string", "maxLength": 200}
 _LENGTH = {"type": "number", "minimum": 0, "maximum": values.LARGEST}
 _PLAN_VECTOR = {
     "oneOf": [
@@ -250,6 +251,14 @@ TASKS: dict[str, Task] = {
                     "nest true shapes instead of rectangles, with the package spyrrow; results may differ between runs",
                     values.truth,
                     {"type": "boolean", "default": False},
+                ),
+                BuildOption("material", "material of the sheets, which is written on them and in the cut list", values.text, _TEXT, "NAME"),
+                BuildOption(
+                    "thickness",
+                    "thickness of the sheets in mm, which is written on them and in the cut list",
+                    values.number,
+                    _LENGTH,
+                    "MM",
                 ),
                 BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.number, _LENGTH, "D"),
                 BuildOption(

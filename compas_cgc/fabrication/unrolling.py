@@ -70,6 +70,8 @@ def unroll(
     shapes: bool = False,
     rulings: Optional[float] = None,
     shortest: float = 100.0,
+    material: str = "",
+    thickness: float = 0.0,
     whole: Optional[bool] = None,
     rough: bool = False,
 ) -> Patterns:
@@ -113,6 +115,9 @@ def unroll(
         width.
     shortest
         Length of seams, without creases, below which joints are moved if possible, and named in the report otherwise [mm].
+    material, thickness
+        Material of the sheets, and their thickness [mm], which are written on every sheet and in the cut list. The pieces have the size
+        of the surface, which is the middle of the thickness.
     whole
         Whether to keep the parts between creases and seams whole, so that parts larger than a sheet are refused instead of cut.
         Default: True if panels or seams are given.
@@ -140,7 +145,7 @@ def unroll(
     if seams is not None and panels is not None:
         raise CGCError("give panels or seams, not both; the joints of panels are the seams")
     problem = unrollable(solved_problem(surface, rough))
-    stock = stock_of(sheet, spacing, margin, allowance, grain, kerf)
+    stock = stock_of(sheet, spacing, margin, allowance, grain, kerf, material, thickness)
     _check_scale(problem, stock)
     if rulings is not None and checked_number(rulings, "rulings") < 0:
         raise CGCError(f"the distance between rulings must be positive, or 0 for none, not {rulings:g}")

@@ -13,11 +13,11 @@ from .._atomic_write import replacing
 from ..errors import CGCError
 from ..fabrication.assembly import draw_plan
 from ..fabrication.drawing import Drawing
-from ..fabrication.drawing import draw_sheets
 from ..fabrication.dxf import dxf_text
 from ..fabrication.option_values import DRAWING_UNITS
 from ..fabrication.patterns import Patterns
 from ..fabrication.piece_list import cut_list_text
+from ..fabrication.sheet_drawing import draw_sheets
 from ..fabrication.svg import svg_text
 from ..fabrication.tables import edge_table_text
 from ._files import suffix_among

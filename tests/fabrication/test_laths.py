@@ -141,6 +141,11 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     assert document.header["$INSUNITS"] == 4
     (title,) = [text.dxf.text for text in document.modelspace().query('TEXT[layer=="SHEET"]')]
     assert f"{len(net.curves)} laths of 100 x 10 mm, timber; all lengths in mm" in title
+    legend = {text.dxf.text.split(":")[0] for text in document.modelspace().query('TEXT[layer=="LEGEND"]')}
+    assert {item.dxf.layer for item in document.modelspace()} - {"LEGEND"} <= legend
+    # The plan has the axes of all laths, at the scale of the model.
+    plan = [np.array([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="PLAN"]')]
+    assert [np.ptp(line, axis=0) for line in plan] == [pytest.approx(1e3 * np.ptp(own.points[:, :2], axis=0)) for own in net.curves]
     strips = [
         shapely.Polygon([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="CUT"]')
     ]
@@ -152,6 +157,54 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
         crossings = [own.intersection(affinity.rotate(other, angle, use_radians=True)).bounds for angle in lath.angles.tolist()]
         slots = 50.0 * sum(right - left for left, _, right, _ in crossings)
         assert strip.is_valid and strip.area == pytest.approx(1e5 * lath.length - slots, rel=1e-3)
+
+
+def test_signs_of_the_schedule_are_those_of_its_notes(net, tmp_path):
+    """Twist, sides and angles from the coordinates alone, for an observer outside; the patch is turned by its normals."""
+    write_net(tmp_path / "net.laths.csv", net)
+    laths = {}
+    for row in csv.DictReader((tmp_path / "net.laths.csv").open()):
+        laths.setdefault(row["lath"], []).append(row)
+    notes = " ".join(row["notes"] for rows in laths.values() for row in rows)
+    for word in ("station 0", "right-handed", "positive if the lath bends to the left", "counterclockwise", "origin", "outside"):
+        assert word in notes
+    along, place = {}, {}
+    for rows in laths.values():
+        points = np.array([[float(row[f"{axis} in mm"]) for axis in "xyz"] for row in rows])
+        if len(rows) < 5:
+            continue
+        stations = np.array([float(row["station in mm"]) for row in rows])
+        assert np.abs(np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(stations) - 1.0).max() < 5e-3
+        spline = CubicSpline(stations, points)
+        for row, at, point in zip(rows, stations, points):
+            along[int(row["node"]), int(row["family"])] = spline(at, 1), spline(at, 2)
+            place[int(row["node"])] = point
+    normal = {}
+    for node in {node for node, family in along if (node, 1 - family) in along}:
+        own = np.cross(along[node, 0][0], along[node, 1][0])
+        faces = net.problem.faces[np.linalg.norm(net.problem.vertices[net.problem.faces].mean(axis=1) - place[node] / 1e3, axis=1).argmin()]
+        a, b, c = net.problem.vertices[faces]
+        normal[node] = own * np.sign(own @ np.cross(b - a, c - a)) / np.linalg.norm(own)
+    checked = [0, 0, 0]
+    for rows in laths.values():
+        own = [row for row in rows if int(row["node"]) in normal]
+        for one, other in zip(own[:-1], own[1:]):
+            a, b = int(one["node"]), int(other["node"])
+            turn = np.cross(normal[a], normal[b]) @ (place[b] - place[a])
+            assert (turn > 0.0) == (one["screw"] == "right-handed") == (float(one["twist in degrees per m"]) > 0.0)
+            checked[0] += 1
+        for row in own:
+            node, family = int(row["node"]), int(row["family"])
+            tangent, bend = along[node, family]
+            left = bend @ np.cross(normal[node], tangent)
+            if abs(left) > 2e-5:
+                assert (left > 0.0) == (row["bends to"] == "left") == (float(row["bending radius in mm"]) > 0.0)
+                checked[1] += 1
+            first, second = along[node, 0][0], along[node, 1][0]
+            angle = np.degrees(np.arctan2(np.cross(first, second) @ normal[node], first @ second))
+            assert angle == pytest.approx(float(row["angle in degrees"]), abs=0.5)
+            checked[2] += 1
+    assert min(checked) > 10
 
 
 def test_laths_need_asymptotic_curves_and_a_section(net):

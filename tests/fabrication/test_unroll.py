@@ -30,6 +30,8 @@ from compas_cgc.fabrication.flattening import flattening_constant
 from compas_cgc.fabrication.flattening import strain_of_width
 from compas_cgc.fabrication.nesting import nest
 from compas_cgc.fabrication.outlines import signed_area
+from compas_cgc.fabrication.piece_checks import sharpest_corner
+from compas_cgc.fabrication.piece_list import cut_list
 from compas_cgc.fabrication.pieces import best_box
 from compas_cgc.fabrication.seams import opens_to_disks
 from compas_cgc.fabrication.seams import seam_edges
@@ -241,7 +243,7 @@ def test_the_plan_has_every_piece_in_its_place(cut):
     drawing = draw_plan(cut)
     outlines = [line.points for line in drawing.lines if line.layer == "OUTLINE"]
     # A vault covers its plan once.
-    assert sum(map(signed_area, outlines)) == pytest.approx(64.0, rel=1e-12) and drawing.size == pytest.approx((8.0, 8.0))
+    assert sum(map(signed_area, outlines)) == pytest.approx(64.0, rel=1e-12) and drawing.size[0] == pytest.approx(8.0)
     assert {text.text.split()[0] for text in drawing.texts if text.layer == "LABEL"} == {piece.label for piece in cut.pieces}
     assert {text.text for text in drawing.texts if text.layer == "SEAM"} == {str(seam.number) for seam in cut.seams}
     shapely = pytest.importorskip("shapely")
@@ -442,14 +444,72 @@ def test_sheets_say_what_lies_on_them_and_labels_stand_out(cut, tmp_path):
     assert label.dxf.color == 7 and not label.dxf.hasattr("true_color")
 
 
-def test_folds_of_the_mesh_are_hidden_where_a_surface_is_rolled(tmp_path):
+def test_edges_of_the_mesh_are_no_folds_where_a_surface_is_rolled(tmp_path):
     ezdxf = pytest.importorskip("ezdxf")
+    folds = {"FOLD_UP", "FOLD_DOWN"}
     rolled = unroll(ring(10, 60), SHEET)
     write_patterns(tmp_path / "rolled.dxf", rolled)
-    # Layers that are only off are shown by LibreCAD.
-    frozen = {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "rolled.dxf").layers if layer.is_frozen()}
-    assert frozen == set(draw_sheets(rolled).hidden) == {"FOLD_UP", "FOLD_DOWN"}
-    assert draw_sheets(unroll(irregular_ring(), rulings=0, rough=True)).hidden == ()
+    layers = {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "rolled.dxf").layers}
+    assert not layers & folds and {row[7] for row in cut_list(rolled)} == {0}
+    bent = unroll(irregular_ring(), rulings=0, rough=True)
+    drawn = [line for line in draw_sheets(bent).lines if line.layer in folds]
+    assert len(drawn) == sum(row[7] for row in cut_list(bent)) > 0
+
+
+@pytest.mark.parametrize("suffix", [".dxf", ".svg", ".plan.dxf", ".plan.svg"])
+def test_the_legend_explains_every_layer_of_a_drawing(cut, suffix, tmp_path):
+    path = tmp_path / f"cut{suffix}"
+    write_patterns(path, cut)
+    if suffix.endswith(".dxf"):
+        space = pytest.importorskip("ezdxf").readfile(path).modelspace()
+        layers, legend = {item.dxf.layer for item in space}, [text.dxf.text for text in space.query('TEXT[layer=="LEGEND"]')]
+    else:
+        svg = "{http://www.w3.org/2000/svg}"
+        groups = [group for group in ElementTree.parse(path).getroot().findall(f".//{svg}g") if len(group)]
+        layers = {group.get("id") for group in groups}
+        legend = [text.text for group in groups if group.get("id") == "LEGEND" for text in group]
+    explained = {line.split(":")[0] for line in legend}
+    assert {"OUTLINE"} <= layers or {"CUT", "RULING", "MARK", "SEAM", "NODE"} <= layers
+    assert layers - {"LEGEND"} - ({"SHEET"} if "plan" in suffix else set()) <= explained
+
+
+def test_sheets_and_cut_list_state_material_and_thickness(tmp_path):
+    own = unroll(vault(8), SHEET, rough=True, rulings=0, material="birch <3 & more>", thickness=12.0)
+    titles = [text.text for text in draw_sheets(own).texts if text.layer == "SHEET"]
+    assert len(titles) == own.sheets and all(", birch <3 & more>, 12 mm thick: " in title for title in titles)
+    assert {row[-2:] for row in cut_list(own)} == {("birch <3 & more>", "12")} and "birch <3 & more>, 12 mm thick" in own.summary()
+    write_patterns(tmp_path / "cut.svg", own)
+    assert any("birch <3 & more>" in text for text in read_svg(tmp_path / "cut.svg")[1])
+    with pytest.raises(CGCError, match="the material must be a name"):
+        unroll(vault(), SHEET, rough=True, material=3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_rulings_state_the_radius_and_the_side_of_bending(turned):
+    problem = vault()
+    if turned:
+        problem = problem.with_vertices(problem.vertices * [1.0, 1.0, -1.0])
+    own = unroll(problem, rough=True)
+    texts = [text.text for text in draw_sheets(own).texts if text.layer == "RULING"]
+    assert len(texts) == len(own.rulings) > 10
+    # Both barrels have a radius of 5 m; at the ends of a region fits are one-sided.
+    radii = np.array([float(text.split()[1]) for text in texts])
+    assert np.median(np.abs(radii / 5000.0 - 1.0)) < 0.01 and np.abs(radii / 5000.0 - 1.0).max() < 0.1
+    side = "towards" if turned else "away"
+    assert {text.split()[2] for text in texts} == {side} == {row[-3] for row in cut_list(own) if row[-3]}
+
+
+def test_sharp_corners_and_pieces_on_the_edge_of_a_sheet_are_named(cut):
+    needle = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 0.3, 0.0]])
+    own = unroll(CGCProblem(needle, np.array([[0, 1, 2]])).with_targets(0.0), (4.0, 4.0), rough=True)
+    angle = np.degrees(np.arctan2(0.3, 3.0))
+    assert f"corners sharper than 15 degrees: A1 ({angle:.1f})" in own.summary() and cut_list(own)[0][-6] == f"{angle:.1f}"
+    assert "corners sharper" not in cut.summary() or min(np.degrees(sharpest_corner(piece)) for piece in cut.pieces) < 15.0
+    assert "lie on the edge of their sheet" in cut.summary() and "yes" in {row[-5] for row in cut_list(cut)}
+    free = unroll(vault(8), SHEET, rough=True, margin=0.01, rulings=0)
+    assert "on the edge of" not in free.summary() and {row[-5] for row in cut_list(free)} == {""}
+    titles = [text.text for text in draw_sheets(free).texts if text.layer == "SHEET"]
+    assert titles and not any("not trimmed" in title for title in titles)
 
 
 # ----------------------------------------------------------------------

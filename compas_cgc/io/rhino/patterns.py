@@ -9,9 +9,9 @@ import numpy as np
 
 from ...discrete.plan import flattened
 from ...fabrication.drawing import LAYERS
-from ...fabrication.drawing import draw_sheets
 from ...fabrication.drawing import roomiest
 from ...fabrication.patterns import Patterns
+from ...fabrication.sheet_drawing import draw_sheets
 from .archive import write_archive
 from .meshes import mesh_from_arrays
 from .write import LayerWriter
@@ -36,7 +36,7 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
     # Offset the sheets from the model so that they do not overlap.
     low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
     beside = np.array([high[0] + 0.2 * float(np.linalg.norm(high - low)), low[1], low[2]])
-    hidden = ("NODE", *drawing.hidden)
+    hidden = ("NODE", "LEGEND")
     layers = {name: writer.layer(f"{PATTERNS}::{_title(name)}", colour, visible=name not in hidden) for name, colour in LAYERS.items()}
     for line in drawing.lines:
         points = np.vstack([line.points, line.points[:1]]) if line.closed else line.points

@@ -25,7 +25,7 @@ export function drawSheets(svg, told) {
   svg.replaceChildren(
     ...[...layers].map(([layer, d]) => make('path', { class: `sheet-line ${layer.toLowerCase()}`, stroke: told.layers[layer] ?? '#888888', d })),
     ...told.texts
-      .filter(({ layer }) => layer !== 'NODE')
+      .filter(({ layer }) => layer !== 'NODE' && layer !== 'LEGEND')
       .map(({ text, at, height }) => make('text', { x: at[0], y: -at[1], 'font-size': height, class: 'sheet-text' }, text)),
   );
 }

@@ -1,0 +1,48 @@
+"""Legends of drawings: what every layer and every number in a text means."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from collections.abc import Sequence
+
+import numpy as np
+
+from .drawing import LETTER_WIDTH
+from .drawing import Drawing
+from .drawing import Text
+
+__all__ = ["with_legend"]
+
+LINE_PITCH = 1.8  # distance of lines of text, relative to their height
+MIN_LINE = 60  # characters on a line at least
+
+
+def with_legend(drawing: Drawing, meanings: Mapping[str, str], notes: Sequence[str], height: float, width: float = 0.0) -> Drawing:
+    """Return a drawing with a legend above it, on the layer LEGEND.
+
+    Parameters
+    ----------
+    drawing
+        The drawing; its size grows to include the legend.
+    meanings
+        Meaning of each layer, in the order of the legend; layers that the drawing does not use are left out.
+    notes
+        Further sentences, before the layers.
+    height
+        Height of the texts [L].
+    width
+        Width of the legend [L]. 0: that of the drawing.
+    """
+    used = {each.layer for each in (*drawing.lines, *drawing.texts)}
+    entries = [("LEGEND", note) for note in notes]
+    entries += [(layer, f"{layer}: {meaning}") for layer, meaning in meanings.items() if layer in used]
+    length = max(MIN_LINE, int((width or drawing.size[0]) / (LETTER_WIDTH * height)))
+    rows = [(layer, row) for layer, text in entries for row in textwrap.wrap(text, length, subsequent_indent="    ")]
+    pitch = LINE_PITCH * height
+    bottom = max([drawing.size[1], *(float(text.place[1]) + text.height for text in drawing.texts)]) + pitch
+    texts = [
+        Text("LEGEND", row, np.array([0.0, bottom + (len(rows) - 1 - k) * pitch]), height, layer, True)
+        for k, (layer, row) in enumerate(rows)
+    ]
+    return drawing._replace(texts=[*drawing.texts, *texts], size=(drawing.size[0], bottom + len(rows) * pitch))

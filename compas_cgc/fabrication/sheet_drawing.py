@@ -1,0 +1,274 @@
+"""Drawing of patterns on sheets: contours, folds, rulings, marks, numbers, titles and the legend."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..errors import CGCError
+from ..errors import names_what_was_meant
+from .drawing import LETTER_WIDTH
+from .drawing import Drawing
+from .drawing import Line
+from .drawing import Text
+from .drawing import clearance
+from .drawing import roomiest
+from .figures import in_mm
+from .figures import metres
+from .legend import with_legend
+from .outlines import Loop
+from .outlines import Seam
+from .patchwork import EDGE
+from .patterns import Patterns
+from .patterns import refuse_others
+from .piece_checks import at_sheet_edge
+from .piece_checks import contours
+from .piece_checks import remarks
+from .rulings import MAX_BOW
+from .rulings import Ruling
+
+__all__ = ["MARK_LENGTH", "draw_sheets", "folded"]
+
+SHEET_GAP = 0.1  # between sheets, relative to the sheet length
+MEANINGS = {
+    "CUT": "contour to cut",
+    "OUTLINE": "edge of the piece where it meets its neighbours; not cut",
+    "FOLD_UP": "fold line, engraved; ridge towards the viewer, both sides bend away",
+    "FOLD_DOWN": "fold line, engraved; valley, both sides bend towards the viewer",
+    "RULING": "straight line along the piece, across which it is rolled; not cut; R: bending radius in mm at the middle of the line; "
+    "away: the piece beside the line bends away from the viewer, towards: to the viewer",
+    "MARK": "tick to engrave; it lies against the tick of the same seam on the neighbouring piece",
+    "LABEL": "name of the piece, to engrave",
+    "SEAM": "number of the seam / name of the piece beyond it",
+    "NODE": "number of the node, as in the table of edges; not engraved",
+    "SHEET": "edge of the sheet and its title; not cut",
+}
+MARK_LENGTH = 0.012  # relative to the sheet length
+MIN_FOLD = np.radians(1.0)  # least angle of an edge that is drawn as a fold
+MIN_NUMBER_SIZE = 0.2  # relative to the text height; smaller node numbers are omitted
+
+
+@names_what_was_meant()
+def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, sheet: Optional[int] = None) -> Drawing:
+    """Return a drawing of patterns with outlines, allowances, folds, rulings, marks, labels, node numbers and a legend.
+
+    Parameters
+    ----------
+    patterns
+        Result of :func:`compas_cgc.fabrication.unroll`.
+    fold
+        Least angle between two faces whose edge is drawn as a fold [rad].
+    nodes
+        Whether to number the nodes along outlines.
+    sheet
+        Number of the sheet to draw, from 0. Default: all.
+
+    Returns
+    -------
+    Drawing
+        Lines and texts by layer [L]; all sheets in a grid, or one at the origin.
+
+    Raises
+    ------
+    CGCError
+        If the argument is not a Patterns object, or the sheet does not exist.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import unroll
+    >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
+    >>> sorted({line.layer for line in draw_sheets(patterns).lines})
+    ['CUT', 'MARK', 'RULING', 'SHEET']
+    """
+    refuse_others(patterns, "sheets are drawn", "draw_sheets")
+    if sheet is not None and sheet not in range(patterns.sheets):
+        raise CGCError(f"there is no sheet {sheet!r}; the patterns have sheets 0 to {patterns.sheets - 1}")
+    length, width = patterns.sheet or _extent(patterns)
+    step = (1.0 + SHEET_GAP) * np.array([length, width])
+    drawn = range(patterns.sheets) if sheet is None else [int(sheet)]
+    across = max(1, int(np.ceil(np.sqrt(len(drawn) * width / length))))
+    rows = -(-len(drawn) // across)
+    # The first sheet is at the upper left.
+    origins = {own: np.array([k % across, rows - 1 - k // across]) * step for k, own in enumerate(drawn)}
+    mark, height = MARK_LENGTH * length, 0.5 * MARK_LENGTH * length
+    lines: list[Line] = []
+    texts: list[Text] = []
+    for number, origin in origins.items():
+        if patterns.sheet is not None:
+            x, y = patterns.sheet_sizes[number]
+            corners = np.array([[0, 0], [x, 0], [x, y], [0, y]], dtype=np.float64)
+            lines.append(Line("SHEET", corners + origin, True))
+            title = _title(patterns, number)
+            size = min(2.0 * height, x / (LETTER_WIDTH * len(title)))
+            texts.append(Text("SHEET", title, origin + [0.5 * x, y + 2.0 * height], size))
+    names, is_fold = patterns.patchwork.names, folded(patterns, fold)
+    ticked: list[set[int]] = [set() for _ in patterns.pieces]
+    for seam in patterns.seams:
+        for side in seam.pieces:
+            ticked[side].update(seam.nodes[_marks_of(seam, mark).nodes].tolist())
+    for number, piece in enumerate(patterns.pieces):
+        if piece.sheet not in origins:
+            continue
+        origin = origins[piece.sheet]
+        # With an allowance the outline is where pieces meet, not where they are cut.
+        lines += [Line("CUT", points + origin, True) for points in contours(piece)]
+        lines += [Line("OUTLINE", loop.points + origin, True) for loop in (piece.loops if piece.allowance else [])]
+        lines += _fold_lines(patterns, number, is_fold, origin)
+        own = patterns.patchwork
+        place, room = roomiest(own.plane[own.piece == number].mean(axis=1), [loop.points for loop in piece.loops])
+        # The circle of free room around the label contains its corners.
+        half = 0.5 * np.hypot(LETTER_WIDTH * len(piece.label), 1.0)
+        texts.append(Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.95 * room / half))))
+        if nodes:
+            texts += [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height, origin)]
+    for ruling in patterns.rulings:
+        if patterns.pieces[ruling.piece].sheet in origins:
+            origin = origins[patterns.pieces[ruling.piece].sheet]
+            lines.append(Line("RULING", ruling.points + origin))
+            texts.append(_radius(patterns, ruling, height, origin))
+    for seam in patterns.seams:
+        for side in (0, 1):
+            if patterns.pieces[seam.pieces[side]].sheet not in origins:
+                continue
+            origin = origins[patterns.pieces[seam.pieces[side]].sheet]
+            mate = patterns.pieces[seam.pieces[1 - side]].label
+            marks, text = _seam_marks(seam, side, mate, mark, height)
+            lines += [Line("MARK", points + origin) for points in marks]
+            texts.append(text._replace(place=text.place + origin))
+    size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
+    drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
+    return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
+
+
+def _title(patterns: Patterns, number: int) -> str:
+    """Return the title of a sheet: number, size, material, pieces, what cut lines are, and the pieces on its edge."""
+    size = in_mm(patterns.sheet_sizes[number], patterns.problem.drawing.units)
+    stuff = f", {patterns.stock.stuff}" if patterns.stock.stuff else ""
+    own = [piece for piece in patterns.pieces if piece.sheet == number]
+    edge = ", ".join(piece.label for piece in own if at_sheet_edge(patterns, piece))
+    on_edge = f"; not trimmed, on the edge of the sheet: {edge}" if edge else ""
+    labels = ", ".join(piece.label for piece in own)
+    return f"sheet {number + 1} of {patterns.sheets}, {size}{stuff}: {labels}; seen from outside; CUT: {_cut(patterns)}{on_edge}"
+
+
+def _cut(patterns: Patterns) -> str:
+    """Return what cut lines are."""
+    units, stock = patterns.problem.drawing.units, patterns.stock
+    cut = f"middle of a kerf of {in_mm([stock.kerf], units)}" if stock.kerf else "edge, without kerf"
+    return f"{cut}{f', with an allowance of {in_mm([stock.allowance], units)}' if stock.allowance else ''}"
+
+
+def _notes(patterns: Patterns) -> list[str]:
+    """Return the sentences of the legend that hold for all sheets."""
+    stuff = patterns.stock.stuff
+    notes = [
+        f"material: {stuff}" if stuff else "material and thickness are not given",
+        "drawn 1:1; lengths in texts are in mm; pieces are seen from outside, with the size of the surface at the middle of the thickness",
+    ]
+    if patterns.stock.grain is not None:
+        notes.append("the grain runs along the length of the sheets")
+    if not folded(patterns).any():
+        notes.append("there are no folds: pieces are rolled or pressed")
+    return [*notes, *remarks(patterns)]
+
+
+def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArray) -> Text:
+    """Return the radius of bending at the middle of a ruling, beside it."""
+    k = max(1, len(ruling.points) // 2)
+    a, b = ruling.points[k - 1], ruling.points[k]
+    along = _unit((b - a)[None])[0]
+    aside = np.array([-along[1], along[0]])
+    radius = 1e3 * metres(patterns.problem.drawing.units) / abs(ruling.bending) if ruling.bending else np.inf
+    text = f"R {radius:.0f} {'away' if ruling.bending > 0.0 else 'towards'}" if np.isfinite(radius) else "flat"
+    size = 0.7 * height
+    return Text("RULING", text, 0.5 * (a + b) + clearance(text, size, aside) * aside + origin, size)
+
+
+def folded(patterns: Patterns, fold: float = MIN_FOLD) -> Mask:
+    """Return the mask of face sides (m, 3) folded by at least an angle; rolled and pressed pieces have none."""
+    rolled = [region for region, own in patterns.straightness.items() if own.median <= MAX_BOW]
+    flat = [own.region for own in patterns.unrollings if own.unrolled and own.region not in rolled]
+    return np.isin(patterns.patchwork.region, flat)[:, None] & (np.abs(patterns.folds) >= fold)
+
+
+def _extent(patterns: Patterns) -> tuple[float, float]:
+    """Return the length and width of the pieces with allowances, used for an unlimited sheet [L]."""
+    edges = [loop for piece in patterns.pieces for loop in piece.allowance or [own.points for own in piece.loops]]
+    high = np.concatenate(edges).max(axis=0) + patterns.stock.margin
+    return float(high[0]), float(high[1])
+
+
+def _fold_lines(patterns: Patterns, piece: int, is_fold: Mask, origin: FloatArray) -> list[Line]:
+    own = patterns.patchwork
+    # Both sides of an edge have the same angle; draw one.
+    u, v = own.faces, np.roll(own.faces, -1, axis=1)
+    chosen = (own.piece == piece)[:, None] & (own.side == EDGE) & is_fold & (u < v)
+    start, end = own.plane[chosen], np.roll(own.plane, -1, axis=1)[chosen]
+    layers = np.where(patterns.folds[chosen] > 0, "FOLD_UP", "FOLD_DOWN")
+    return [Line(str(layer), np.array([a, b]) + origin) for layer, a, b in zip(layers, start, end)]
+
+
+def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, height: float, origin: FloatArray) -> list[Text]:
+    """Return the node numbers of an outline, inside it and its marks, without those too small to read."""
+    ahead, back = np.roll(loop.points, -1, axis=0) - loop.points, loop.points - np.roll(loop.points, 1, axis=0)
+    near = np.minimum(np.linalg.norm(ahead, axis=1), np.linalg.norm(back, axis=1))
+    inward = _unit(np.column_stack([-(_unit(ahead) + _unit(back))[:, 1], (_unit(ahead) + _unit(back))[:, 0]]))
+    # Along a bisector the distance to the sides is shorter.
+    slant = np.clip(np.abs(np.einsum("ij,ij->i", inward, np.column_stack([-_unit(ahead)[:, 1], _unit(ahead)[:, 0]]))), 0.3, 1.0)
+    texts = []
+    for node, point, direction, room, share in zip(loop.nodes.tolist(), loop.points, inward, near, slant.tolist()):
+        size = float(min(0.7 * height, 0.3 * room))
+        if size >= MIN_NUMBER_SIZE * height:
+            text = str(names[node])
+            away = clearance(text, size, direction) / share + (mark if node in ticked else 0.0)
+            texts.append(Text("NODE", text, point + away * direction + origin, size))
+    return texts
+
+
+class _Marks(NamedTuple):
+    """Marks of a seam, the same on both sides."""
+
+    nodes: IntArray  # (k,) positions of marked nodes along the seam
+    middle: int  # edge marked at its middle if no node is marked, else -1
+
+
+def _marks_of(seam: Seam, mark: float) -> _Marks:
+    """Return up to nine nodes of a seam at sufficient distances from its ends and each other, or else its longest edge."""
+    length = np.linalg.norm(np.diff(seam.sides[0], axis=0), axis=1)
+    at = np.r_[0.0, np.cumsum(length)]
+    apart = max(1.5 * mark, at[-1] / 9.0)
+    chosen: list[int] = []
+    for k in range(1, len(at) - 1):
+        if at[k] - (at[chosen[-1]] if chosen else 0.0) >= apart - 0.25 * mark and at[-1] - at[k] >= 1.5 * mark:
+            chosen.append(k)
+    return _Marks(np.array(chosen, dtype=np.int64), -1 if chosen else int(np.argmax(length)))
+
+
+def _seam_marks(seam: Seam, side: int, mate: str, mark: float, height: float) -> tuple[list[FloatArray], Text]:
+    """Return the ticks of a seam on one side, and its number with the label of the neighbouring piece."""
+    points = seam.sides[side]
+    along = _unit(np.diff(points, axis=0))
+    at_node = _unit(np.vstack([along[:1], along[1:] + along[:-1], along[-1:]]))
+    turn = np.array([[0.0, 1.0], [-1.0, 0.0]]) * (1.0 if side == 0 else -1.0)
+    where = _marks_of(seam, mark)
+    ticks = [np.array([points[k], points[k] + mark * (at_node[k] @ turn)]) for k in where.nodes]
+    if where.middle >= 0:
+        middle = 0.5 * (points[where.middle] + points[where.middle + 1])
+        ticks = [np.array([middle, middle + min(mark, 0.3 * seam.length) * (along[where.middle] @ turn)])]
+    length = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    edge = int(np.argmax(length * np.r_[0.5, np.ones(len(length) - 2), 0.5] if len(length) > 2 else length))
+    text, inward = f"{seam.number}/{mate}", along[edge] @ turn
+    size = float(min(height, 0.25 * seam.length, length[edge] / (LETTER_WIDTH * len(text))))
+    # Beyond a mark at the middle.
+    away = clearance(text, size, inward) + (mark if where.middle == edge else 0.0)
+    return ticks, Text("SEAM", text, 0.5 * (points[edge] + points[edge + 1]) + away * inward, size)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), np.finfo(float).tiny)
