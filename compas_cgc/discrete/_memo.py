@@ -110,6 +110,7 @@ def _copied(value: Any) -> Any:
         return value.copy()
     if isinstance(value, list):
         return [_copied(own) for own in value]
-    if type(value) is tuple:
-        return tuple(_copied(own) for own in value)
+    if isinstance(value, tuple):
+        copies = [_copied(own) for own in value]
+        return type(value)(*copies) if hasattr(value, "_fields") else tuple(copies)
     return value

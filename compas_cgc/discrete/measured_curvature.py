@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
+from ._memo import remembered
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
@@ -24,6 +25,7 @@ LEAST_FACES = 4  # of a patch: a linear function passes through three
 JUMPS = 1e-2  # weight of jumps across edges, which decide where no patch does, as at a corner with a single triangle
 BENDING = 1e-9  # weight of bending, which decides for a triangle without neighbours alone
 PRECISION, MAX_ROUNDS = 1e-12, 500  # of conjugate gradients: residual against the right side, in the scaled norm
+RECENT = 2  # surfaces whose curvature is remembered
 TINY = float(np.finfo(float).tiny)
 DEGENERATE = 1e-9  # area of a triangle, against the mean, below which it has no normal and is left out
 
@@ -74,6 +76,10 @@ def measured_curvature(vertices: Vertices, faces: Faces, creases: IntArray, regi
     ----------
     Grinspun, Gingold, Reisman, Zorin, doi:10.1111/j.1467-8659.2006.00974.x. Morley, doi:10.1017/S0001925900004546.
     """
+    return _measured(vertices, faces, np.asarray(creases, np.int64).reshape(-1, 2), regions)
+
+
+def _measure(vertices: Vertices, faces: Faces, creases: IntArray, regions: IntArray) -> MeasuredCurvature:
     normals, double = face_frames(vertices, faces)
     sound = double > DEGENERATE * double.mean()
     if not sound.any():
@@ -85,6 +91,10 @@ def measured_curvature(vertices: Vertices, faces: Faces, creases: IntArray, regi
     averages, bending = mesh.averages(operators), np.zeros(len(faces))
     bending[sound] = operators.bending
     return MeasuredCurvature(mesh.pairs, averages.gaussian, averages.mean, averages.areas, bending, angles)
+
+
+# Verdict, laws and colours read the same surface.
+_measured = remembered(_measure, recent=RECENT)
 
 
 def even_angles(mesh: MidEdgeMesh, vertices: Vertices) -> FloatArray:

@@ -74,7 +74,7 @@ def solved_on(
         return None
     if solution.faces is None:
         show_arrived(callback, solution.vertices)
-    judged = verdict(solution.with_found(drawn).with_vertices(solution.vertices), drawn.vertices)
+    judged = solution.verdict or verdict(solution.with_found(drawn).with_vertices(solution.vertices), drawn.vertices)
     solution = finished(solution._replace(method=first.method, verdict=judged), drawn, first, settings, callback)
     message = f"{solution.message}; by the method {solution.method}, on from the surface that was found before"
     return solution._replace(message=message) if solution.verdict is not None and solution.verdict.fair else None

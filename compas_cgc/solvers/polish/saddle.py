@@ -18,7 +18,7 @@ __all__ = ["Saddle"]
 
 FACTORS = 25.0  # right sides that factors take as long as
 PANEL = 4  # columns that SuperLU works on together
-PRECISE, REFINEMENTS = 1e-12, 3  # relative residual of solutions, and rounds of refinement towards it
+PRECISE, REFINEMENTS = 1e-10, 3  # relative residual of solutions, and rounds of refinement towards it
 
 
 class Saddle:
