@@ -109,7 +109,7 @@ def _drawn() -> None:
 
     from .discrete import energy_gradient
     from .meshing.valence_annealing import annealed
-    from .plot.visibility import in_sight
+    from .meshing.visibility import in_sight
 
     vertices, faces = _dome().arrays()
     annealed(vertices[:, :2], faces, np.zeros(len(vertices), bool), np.zeros((0, 2), np.int64), lambda places: np.ones(len(places)))

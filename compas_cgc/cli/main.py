@@ -38,6 +38,7 @@ COMMANDS = {
     "membrane": "compute the membrane forces of a solved surface under a load",
     "net": "generate a net of curves on a solved surface",
     "quads": "cover a solved surface by plane quads",
+    "drawings": "draw plan, sections and elevations of a surface to scale",
     "limits": "find the largest curvature that the supports allow",
     "example": "run one of the paper's examples",
     "reproduce": "run all of the paper's examples and tables",

@@ -184,7 +184,7 @@ def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], 
     """Return a function that draws the requested picture; report an invalid file name before the solve."""
     if not arguments.picture:
         return None
-    from ..plot.output import check_picture
+    from .._figures import check_picture
 
     check_picture(arguments.picture)
     return partial(_draw, Path(arguments.picture), arguments.picture_of)

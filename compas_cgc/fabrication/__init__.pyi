@@ -21,3 +21,5 @@ from .quads import PlaneQuads as PlaneQuads
 from .quads import plane_quads as plane_quads
 from .sheet_drawing import draw_sheets as draw_sheets
 from .unrolling import unroll as unroll
+from .views import ViewSheet as ViewSheet
+from .views import draw_views as draw_views

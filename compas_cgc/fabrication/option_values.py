@@ -17,9 +17,11 @@ __all__ = [
     "DRAWING_UNITS",
     "LARGEST",
     "NET_KINDS",
+    "PAPERS",
     "Sheet",
     "number",
     "paths",
+    "plan_lines",
     "plan_vector",
     "points",
     "region_numbers",
@@ -36,6 +38,7 @@ LARGEST = 1e9
 LARGEST_STRAIN = 0.05  # metals and timber break or buckle long before; a larger number is meant in percent
 ALONG = ("plan", "curvature")  # coordinates that a grid of panels may follow
 NET_KINDS = ("curvature", "asymptotic")  # curves that a net may be made of in all regions
+PAPERS = ("A4", "A3", "A2", "A1", "A0")  # from the smallest
 # Units of files by their usual abbreviation.
 DRAWING_UNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters", "in": "Inches", "ft": "Feet"}
 _UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
@@ -160,6 +163,14 @@ def plan_vector(value: object, what: str) -> list[float]:
     if found is None or len(found) != 2:
         raise CGCError(f"{what} must be X,Y such as 0.5,0.0, not {_short(value)}")
     return found
+
+
+def plan_lines(value: object, what: str) -> list[list[float]]:
+    """Return lines in plan from texts such as ``0,2,8,2`` or lists of four numbers."""
+    found = [_numbers(row) for row in _rows(value)]
+    if not found or any(row is None or len(row) != 4 for row in found):
+        raise CGCError(f"{what} must be X,Y,X,Y such as 0,2,8,2, not {_short(value)}")
+    return [row for row in found if row is not None]
 
 
 def region_numbers(value: object, what: str) -> list[int]:

@@ -20,6 +20,8 @@ from .mould_surface import cap_mesh
 from .patterns import Patterns
 from .quads import PlaneQuads
 from .sheet_drawing import draw_sheets
+from .views import ViewSheet
+from .views.marks import LAYERS as VIEW_LAYERS
 
 __all__ = ["build_data", "plain"]
 
@@ -171,6 +173,27 @@ def _quads(problem: CGCProblem, quads: PlaneQuads) -> dict[str, Any]:
     }
 
 
+def _drawings(problem: CGCProblem, drawn: ViewSheet) -> dict[str, Any]:
+    """Return a sheet as lines and texts by layer in millimetres, and the contour lines and sections in space."""
+    return {
+        "sheet": drawn.sheet,
+        "size": drawn.size,
+        "scale": drawn.scale,
+        "units": drawn.units,
+        "interval": drawn.interval,
+        "views": drawn.views,
+        "layers": {name: "#{:02x}{:02x}{:02x}".format(*style.colour) for name, style in VIEW_LAYERS.items()},
+        "lines": [{"layer": line.layer, "points": line.points.tolist(), "closed": line.closed} for line in drawn.lines],
+        "texts": [
+            {"layer": layer, "text": text, "at": place.tolist(), "height": height, "angle": angle}
+            for layer, text, place, height, angle in drawn.labels
+        ],
+        "contours": [{"height": height, "points": points.tolist()} for height, points in drawn.contours],
+        "sections": [{"letter": letter, "points": points.tolist()} for letter, points in drawn.cuts],
+        "text": drawn.summary(),
+    }
+
+
 def plain(value: Any) -> Any:
     """Return a value with None for non-finite numbers and Python numbers for NumPy ones."""
     if isinstance(value, dict):
@@ -188,6 +211,7 @@ _BY_TASK: dict[str, Callable[[CGCProblem, Any], dict[str, Any]]] = {
     "membrane": _membrane,
     "net": _net,
     "quads": _quads,
+    "drawings": _drawings,
 }
 
 

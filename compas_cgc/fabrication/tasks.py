@@ -49,6 +49,12 @@ _PLAN_VECTOR = {
         {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
     ]
 }
+_PLAN_LINE = {
+    "oneOf": [
+        {"type": "string", "pattern": r"^ *[-+0-9.eE]+( *, *[-+0-9.eE]+){3} *$"},
+        {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4},
+    ]
+}
 _REGIONS = BuildOption(
     "regions",
     "use these regions only",
@@ -108,6 +114,12 @@ def _quads(surface: PosesProblem, settings: dict[str, Any]) -> Any:
     from .quads import plane_quads
 
     return plane_quads(surface, **settings)
+
+
+def _drawings(surface: PosesProblem, settings: dict[str, Any]) -> Any:
+    from .views import draw_views
+
+    return draw_views(surface, **settings)
 
 
 _WIDTHS = {
@@ -454,6 +466,47 @@ TASKS: dict[str, Task] = {
             ),
             _quads,
         ),
+        Task(
+            "drawings",
+            "Draw the plan, sections and elevations of a surface to scale.",
+            (
+                BuildOption(
+                    "scale",
+                    "denominator of the scale, such as 100 for 1:100 (default: the largest standard scale that fits)",
+                    values.whole,
+                    {"type": "integer", "minimum": 1, "maximum": 1_000_000},
+                    "N",
+                ),
+                BuildOption(
+                    "sheet",
+                    "size of the sheet (default: A3, or the smallest for a given scale)",
+                    values.text,
+                    {"enum": list(values.PAPERS)},
+                    "|".join(values.PAPERS),
+                ),
+                BuildOption(
+                    "contours",
+                    "height between contour lines (default: about ten lines)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0},
+                    "D",
+                ),
+                BuildOption(
+                    "sections",
+                    "section along a line in plan, seen towards its left (default: two through the middle)",
+                    values.plan_lines,
+                    {"oneOf": [_PLAN_LINE, {"type": "array", "items": _PLAN_LINE, "minItems": 1}]},
+                    "X,Y,X,Y",
+                    "section",
+                    many=True,
+                ),
+                BuildOption("north", "direction of north in plan (default: 0,1)", values.plan_vector, _PLAN_VECTOR, "X,Y"),
+                BuildOption(
+                    "title", "title of the sheet (default: name of the surface)", values.text, {"type": "string", "maxLength": 200}, "TEXT"
+                ),
+            ),
+            _drawings,
+        ),
     )
 }
 
@@ -515,7 +568,7 @@ def build(task: str, surface: PosesProblem, settings: Mapping[str, Any]) -> Any:
 
     Returns
     -------
-    MouldReport, Patterns, MembraneState or CurveNet
+    MouldReport, Patterns, MembraneState, CurveNet, PlaneQuads or ViewSheet
 
     Raises
     ------

@@ -19,10 +19,11 @@ from .formats import OUTPUTS
 from .nets import write_net
 from .patterns import write_patterns
 from .quads import write_quads
+from .views import write_views
 
 __all__ = ["build_suffix", "write_build", "write_mould_files"]
 
-_WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "curves", "quads": "plane quads"}
+_WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "curves", "quads": "plane quads", "drawings": "drawings"}
 
 
 def build_suffix(task: str, path: Union[str, os.PathLike]) -> str:
@@ -73,6 +74,8 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
         write_net(path, report, **file_options(task, settings))
     elif task == "quads":
         write_quads(path, report)
+    elif task == "drawings":
+        write_views(path, report)
     else:
         write_mould_files(path, problem, report)
     return [Path(path)]

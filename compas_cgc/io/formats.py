@@ -66,6 +66,7 @@ OUTPUTS = {
     "unroll": (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip"),
     "membrane": (".3dm", ".inp", ".json"),
     "net": (".3dm", ".dxf", ".json", ".laths.csv", ".laths.dxf"),
+    "drawings": (".pdf", ".dxf", ".svg"),
     "quads": (".3dm", ".dxf", ".json", ".csv", ".beams.csv"),
 }
 
@@ -75,6 +76,7 @@ MEDIA_TYPES = {
     ".ifc": "application/x-step",
     ".inp": "text/plain",
     ".json": "application/json",
+    ".pdf": "application/pdf",
     ".svg": "image/svg+xml",
     ".zip": "application/zip",
 }

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -37,14 +40,16 @@ MAX_GROWTH = 2.0  # of the number of triangles of the first division by a small 
 COINCIDENCE = 1e-7  # distance within which points of neighbouring faces coincide, relative to the size
 ON_SIDE = 1e-6  # distance of an edge from a side of its surface, relative to the range of the parameters
 EDGE_POINTS = 9
-SECONDS, SECONDS_PER_BYTE = 20.0, 20e-6  # longest time of reading; a tenth of it is usual
+SECONDS, SECONDS_PER_BYTE = 5.0, 20e-6  # longest processor time of reading; a fifth of it is usual
+PATIENCE = 4.0  # longest time by the clock, relative to the processor time, as on a busy computer
+_OUT_OF_TIME = getattr(signal, "SIGXCPU", 0)  # ends a process that has used its processor time
 
 
 def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
     """Read a design from a STEP file, in millimetres.
 
     An untrimmed surface is read exactly; other faces are sewn and divided into triangles. A damaged file can make OpenCASCADE crash or
-    divide faces for minutes, so it runs in a process of its own with a limit of time.
+    divide faces for minutes, so it runs in a process of its own with a limit of its processor time.
 
     Parameters
     ----------
@@ -64,18 +69,21 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
         # Within another program, such as Rhino, there may be no interpreter to start.
         return _read(path)
     limit = SECONDS + SECONDS_PER_BYTE * path.stat().st_size
+    slow = FileError(f"{path} takes more than {limit:.0f} s to read; repair its faces, or export fewer of them")
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "design"
         try:
             done = subprocess.run(
-                [sys.executable, "-c", "from compas_cgc.io.step_design import main; main()", str(path), str(result)],
+                [sys.executable, "-c", "from compas_cgc.io.step_design import main; main()", str(path), str(result), str(limit)],
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-                timeout=limit,
+                timeout=PATIENCE * limit,
             )
         except subprocess.TimeoutExpired:
-            raise FileError(f"{path} takes more than {limit:.0f} s to read; repair its faces, or export fewer of them") from None
+            raise slow from None
+        if done.returncode == -_OUT_OF_TIME:
+            raise slow
         if done.returncode:
             raise FileError(f"{path} cannot be read, as OpenCASCADE fails on it; repair its faces and export it again")
         found = pickle.loads(result.read_bytes())
@@ -85,8 +93,17 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
 
 
 def main() -> None:
-    """Read the design in the file of the first argument, and write it, or the reason why it cannot be read, to that of the second."""
-    path, result = map(Path, sys.argv[1:])
+    """Read the design in the file of the first argument, and write it, or the reason why it cannot be read, to that of the second.
+
+    The third argument is the longest processor time [s]; the system ends the process after it.
+    """
+    path, result = map(Path, sys.argv[1:3])
+    opencascade()
+    if sys.platform != "win32":
+        import resource
+
+        limit = math.ceil(time.process_time() + float(sys.argv[3]))
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
     found: Union[DrawnDesign, str]
     try:
         found = _read(path)

@@ -7,6 +7,7 @@ Requires the extra ``plot``; matplotlib is imported lazily.
 
 from __future__ import annotations
 
+from .._figures import save
 from .curve import Curve
 from .curve import curve_figure
 from .curve import draw_curve
@@ -19,7 +20,6 @@ from .history import history_figure
 from .maps import draw_curvature
 from .maps import draw_error
 from .moulds import moulds_figure
-from .output import save
 from .shape import draw_shape
 from .studio_light import studio
 from .studio_light import studio_image

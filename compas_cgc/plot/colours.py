@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._figures import matplotlib_module
 from ..discrete.arrays import FloatArray
-from .output import matplotlib_module
 from .view import View
 from .view import view_axes
 

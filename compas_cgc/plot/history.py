@@ -7,6 +7,8 @@ from typing import Optional
 
 import numpy as np
 
+from .._figures import matplotlib_module
+from .._figures import new_figure
 from ..discrete.arrays import FloatArray
 from ..errors import names_what_was_meant
 from ..model.result import History
@@ -15,8 +17,6 @@ from .layout import SIZE
 from .layout import caption
 from .layout import letter
 from .legend import per_area
-from .output import matplotlib_module
-from .output import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

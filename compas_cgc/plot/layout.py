@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
 
+from .._figures import new_figure
 from .colours import INK
-from .output import new_figure
 from .view import Frame
 
 if TYPE_CHECKING:

@@ -6,11 +6,11 @@ import math
 from typing import TYPE_CHECKING
 from typing import Optional
 
+from .._figures import matplotlib_module
 from .colours import INK
 from .colours import diverging_map
 from .layout import SIZE
 from .layout import write
-from .output import matplotlib_module
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

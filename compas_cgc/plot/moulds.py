@@ -8,6 +8,8 @@ from typing import Optional
 
 import numpy as np
 
+from .._figures import matplotlib_module
+from .._figures import new_figure
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
@@ -21,8 +23,6 @@ from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from .colours import INK
 from .colours import PALETTE
-from .output import matplotlib_module
-from .output import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,11 +8,11 @@ from typing import Union
 
 import numpy as np
 
+from .._figures import matplotlib_module
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..meshing.visibility import in_sight
 from .colours import rgba
-from .output import matplotlib_module
-from .visibility import in_sight
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

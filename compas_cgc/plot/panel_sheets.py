@@ -11,11 +11,11 @@ from typing import Union
 
 import numpy as np
 
+from .._figures import matplotlib_module
+from .._figures import new_figure
+from .._figures import save_pages
 from ..fabrication.panel_schedule import PanelSheet
 from .colours import INK
-from .output import matplotlib_module
-from .output import new_figure
-from .output import save_pages
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

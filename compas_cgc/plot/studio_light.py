@@ -15,6 +15,7 @@ from typing import Union
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._figures import new_figure
 from ..discrete import edge_faces
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
@@ -26,7 +27,6 @@ from ..model.roles import INTERNAL
 from .colours import diverging_map
 from .colours import rgba
 from .maps import vertex_values
-from .output import new_figure
 from .projected_mesh import edge_array
 from .projected_mesh import real_faces
 from .view import View

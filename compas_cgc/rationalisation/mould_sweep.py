@@ -76,7 +76,7 @@ class Sweep:
         CGCError
             If matplotlib is not installed.
         """
-        from ..plot.output import new_figure
+        from .._figures import new_figure
 
         figure = new_figure(6.5, 4.5)
         axes = figure.add_subplot()

@@ -43,11 +43,11 @@ def panels_figure(found: Rationalised) -> Figure:
     >>> from compas_cgc.plot import save
     >>> save(panels_figure(found), "panels.png")  # doctest: +SKIP
     """
+    from .._figures import matplotlib_module
+    from .._figures import new_figure
     from ..plot.colours import PALETTE
     from ..plot.colours import diverging_map
     from ..plot.colours import limit_above
-    from ..plot.output import matplotlib_module
-    from ..plot.output import new_figure
 
     V, F = found.result.vertices, found.result.problem.faces
     plane = V @ _axes(V, F).T

@@ -7,12 +7,12 @@ from typing import Optional
 
 import numpy as np
 
+from .._figures import new_figure
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import names_what_was_meant
-from ..plot.output import new_figure
 from .results import Results
 from .results import refuse_no_results
 from .sheet import COLOURS

@@ -10,9 +10,9 @@ from typing import Optional
 
 import numpy as np
 
+from .._figures import matplotlib_module
+from .._figures import new_figure
 from ..errors import names_what_was_meant
-from ..plot.output import matplotlib_module
-from ..plot.output import new_figure
 from ..plot.view import Frame
 from ..plot.view import frame_of
 from ..plot.view import project

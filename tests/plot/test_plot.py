@@ -13,6 +13,7 @@ from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
 from compas_cgc.errors import MeshError
 from compas_cgc.meshing import face_regions
+from compas_cgc.meshing.visibility import in_sight
 from compas_cgc.model.result import History
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import DUMMY
@@ -22,7 +23,6 @@ from compas_cgc.plot.colours import limit_above
 from compas_cgc.plot.layout import round_below
 from compas_cgc.plot.studio_light import _tones
 from compas_cgc.plot.view import project
-from compas_cgc.plot.visibility import in_sight
 from compas_cgc.solvers.flow import curve_flow
 
 from ..support import shapes

@@ -14,6 +14,7 @@ PACKAGE = Path(__file__).parents[2] / "compas_cgc"
 LAYERS = [
     {"_version", "errors", "client"},
     {"_lazy", "_atomic_write", "_compiled", "_samples", "execution"},
+    {"_figures"},
     {"discrete"},
     {"linalg", "meshing"},
     {"model"},

@@ -15,6 +15,7 @@ from compas_cgc import write
 from compas_cgc.client import Failed
 from compas_cgc.client import Refused
 from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication import draw_views
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
@@ -35,9 +36,10 @@ HEADS = {
     **{"list.csv": b"sheet,piece", "plan.dxf": b"  0\nSECTION", "plan.svg": b"<svg ", "zip": b"PK"},
     "3dm": b"3D Geometry File Format ",
     "dxf": b"  0\nSECTION",
-    "svg": b"<svg ",
+    "svg": (b"<svg ", b"<?xml"),
     "csv": b"p",
     "inp": b"*",
+    "pdf": b"%PDF",
     "laths.csv": b"lath,",
     "laths.dxf": b"  0\nSECTION",
     "json": b"{",
@@ -70,6 +72,7 @@ def problem(shape):
         ("unroll", DOME, {"sheet": [3, 1.5], "strain": "0.2%"}, lambda own: unroll(own, (3.0, 1.5), strain=0.002)),
         ("membrane", DOME, {"pressure": -1.5}, lambda own: membrane(own, -1.5)),
         ("net", SADDLE, {"spacing": 1.0}, lambda own: curve_net(own, 1.0)),
+        ("drawings", DOME, {"sections": "0,1,4,1", "scale": 200}, lambda own: draw_views(own, 200, sections=[(0, 1, 4, 1)])),
         ("net", SADDLE, {"through": [[0.0, 0.0, 4.0]]}, lambda own: curve_net(own, through=[[0.0, 0.0, 4.0]])),
     ],
 )
@@ -162,7 +165,7 @@ def test_a_design_becomes_panels_on_few_moulds(client):
 
 def test_the_list_of_tasks_is_the_table(client):
     found = {own["name"]: own for own in client.tasks()}
-    assert set(found) == {"mould", "unroll", "membrane", "net", "quads", "limits", "rationalise"}
+    assert set(found) == {"mould", "unroll", "membrane", "net", "quads", "drawings", "limits", "rationalise"}
     along = next(own for own in found["mould"]["options"] if own["name"] == "along")
     assert along["enum"] == list(ALONG) and found["unroll"]["formats"] == [
         *("arrays", "dxf", "svg", "csv", "3dm", "list.csv", "plan.dxf", "plan.svg", "zip")
@@ -172,7 +175,7 @@ def test_the_list_of_tasks_is_the_table(client):
 @pytest.mark.parametrize(
     "body, sentence",
     [
-        ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, quads, limits, rationalise"),
+        ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, quads, drawings, limits, rationalise"),
         ({"task": "rationalise", "settings": {"seams": "x"}}, "'seams' must be one of grid, curvature, geodesics, levels"),
         ({"task": "rationalise", "settings": {"mould": 3}}, "there is no option 'mould'"),
         ({"task": ["net"]}, "'task' must be one of"),

@@ -118,7 +118,7 @@ def test_all_views(server, tmp_path, browser, width, dark):
         hands.click("#undo")
         hands.click("#solve")
         solved()
-        for task in ("mould", "membrane", "net"):
+        for task in ("mould", "membrane", "net", "drawings"):
             hands.click(f"#make-tabs [value={task}] + span")
             hands.click("#make")
             wait_for(lambda: hands.text("#make-said") and "…" not in hands.text("#make-said"), what=f"{task} is not made")

@@ -113,8 +113,8 @@ function choiceField(choices, own) {
 function numberField(option) {
   const field = document.createElement('input');
   const whole = option.type?.includes('integer');
-  if (!option.type) {
-    Object.assign(field, { type: 'text', placeholder: 'free' });
+  if (!option.type || option.type === 'string') {
+    Object.assign(field, { type: 'text', placeholder: option.type ? 'auto' : 'free' });
     return field;
   }
   asNumberField(field, { placeholder: option.default ?? 'auto' });

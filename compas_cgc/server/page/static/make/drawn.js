@@ -4,6 +4,8 @@ import { REGIONS } from '../colours.js';
 
 const TENSION = '#c8372d';
 const COMPRESSION = '#2b6fb0';
+const CONTOUR = '#a06e3c';
+const SECTION = '#14828c';
 const FAMILIES = ['#1f5d66', '#b4532a', '#6b5aa0'];
 const LABELS = 160; // largest number of legible labels
 
@@ -64,6 +66,21 @@ const DRAW = {
         { colour: TENSION, text: 'tension' },
         { colour: COMPRESSION, text: 'compression' },
         { colour: '#2e6b3f', text: 'reaction' },
+      ],
+    };
+  },
+  drawings({ contours, sections }) {
+    const ends = (lines) => lines.flatMap(({ points }) => sides(points, false));
+    return {
+      faces: [],
+      lines: [
+        { colour: CONTOUR, ends: ends(contours) },
+        { colour: SECTION, ends: ends(sections) },
+      ],
+      labels: sections.map(({ letter, points }) => ({ text: letter, at: points[0] })),
+      key: [
+        { colour: CONTOUR, text: 'contour line' },
+        { colour: SECTION, text: 'section' },
       ],
     };
   },

@@ -6,7 +6,7 @@ import { capital } from '../words.js';
 import { drawnOf } from './drawn.js';
 import { drawSheets } from './sheets.js';
 
-const NAMES = { mould: 'Moulds', unroll: 'Unroll', membrane: 'Forces', net: 'Net' };
+const NAMES = { mould: 'Moulds', unroll: 'Unroll', membrane: 'Forces', net: 'Net', drawings: 'Drawings' };
 const LEFT = ['rough', 'regions', 'seams', 'through', 'nodes', 'along']; // options for scripts
 const DEFAULTS = { pressure: 1 }; // forces require a load
 const SUFFIXES = { arrays: 'json' };
@@ -130,7 +130,7 @@ export class Maker {
       }),
     );
     this.key.hidden = !drawn.key.length;
-    if (task !== 'unroll') return;
+    if (!told.lines) return;
     this.sheets.hidden = false;
     drawSheets(this.sheets.querySelector('svg'), told);
   }

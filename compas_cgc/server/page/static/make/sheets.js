@@ -1,9 +1,9 @@
-/** Flat patterns drawn on their sheets. */
+/** Flat patterns and drawings on their sheets. */
 
 /**
- * Draw patterns into an SVG.
+ * Draw patterns or views into an SVG.
  * @param {SVGSVGElement} svg
- * @param {any} told result of an unroll job
+ * @param {any} told result of an unroll or drawings job
  */
 export function drawSheets(svg, told) {
   const points = told.lines.flatMap((line) => line.points);
@@ -26,6 +26,9 @@ export function drawSheets(svg, told) {
     ...[...layers].map(([layer, d]) => make('path', { class: `sheet-line ${layer.toLowerCase()}`, stroke: told.layers[layer] ?? '#888888', d })),
     ...told.texts
       .filter(({ layer }) => layer !== 'NODE' && layer !== 'LEGEND')
-      .map(({ text, at, height }) => make('text', { x: at[0], y: -at[1], 'font-size': height, class: 'sheet-text' }, text)),
+      .map(({ text, at, height, angle = 0 }) => {
+        const place = { x: at[0], y: -at[1], transform: `rotate(${-angle} ${at[0]} ${-at[1]})` };
+        return make('text', { ...place, 'font-size': height, class: 'sheet-text' }, text);
+      }),
   );
 }

@@ -11,10 +11,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 from typing import Union
 
-from .._atomic_write import replacing
-from ..errors import CGCError
-from ..errors import FileError
-from ..errors import names_what_was_meant
+from ._atomic_write import replacing
+from .errors import CGCError
+from .errors import FileError
+from .errors import names_what_was_meant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,0 +1,268 @@
+"""Plan, sections and elevations of a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...discrete import face_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...meshing import boundary_loops
+from ...meshing import crease_paths
+from ...meshing.visibility import in_sight
+from ...model.problem import CGCProblem
+from ..drawing import Line
+from ..figures import metres
+from .level_lines import level_lines
+from .marks import TEXT_HEIGHT
+from .marks import Label
+from .marks import View
+from .marks import arrow
+from .marks import cut_for
+from .marks import dimension
+from .marks import height_mark
+from .marks import letters
+
+__all__ = ["PADDING", "Cut", "Shape", "elevation", "plan", "section"]
+
+PADDING = np.array([[24.0, 24.0], [14.0, 14.0]])  # of a view: left and below, right and above [mm]
+DIMENSION_AT = 14.0  # distance of dimensions from the plan [mm]
+SUPPORT_SIZE = 2.4  # of the symbol of a single support [mm]
+LETTER_AT = 7.0  # distance of the ends of section lines from the plan [mm]
+NORTH_LENGTH = 9.0  # [mm]
+MIN_LABEL_ROOM = 3.0  # length of a contour relative to its text, below which it has no text
+PIECES = 2  # of a segment, for visibility
+UP = np.array([0.0, 0.0, 1.0])
+
+
+class Cut(NamedTuple):
+    """A vertical plane."""
+
+    letter: str
+    start: FloatArray  # (2,) a point in plan [L]
+    along: FloatArray  # (2,) unit direction, to the right in the view
+
+
+class Shape:
+    """A surface with the lines that all views show.
+
+    Parameters
+    ----------
+    problem
+        The surface, without dummies.
+    """
+
+    def __init__(self, problem: CGCProblem):
+        self.problem = problem
+        self.vertices, self.faces = problem.vertices, problem.faces
+        used = np.unique(self.faces)
+        self.low, self.high = self.vertices[used].min(axis=0), self.vertices[used].max(axis=0)
+        self.digits = max(0, round(np.log10(1000.0 * metres(problem.drawing.units))))
+
+    def number(self, length: float) -> str:
+        """Return a length in the units of the drawing as text, to the millimetre."""
+        return f"{length:.{self.digits}f}"
+
+    def levels(self, interval: float) -> list[float]:
+        """Return the multiples of an interval between the lowest and the highest point."""
+        first, last = np.floor(self.low[2] / interval) + 1, np.ceil(self.high[2] / interval) - 1
+        return (np.arange(first, last + 1) * interval).tolist()
+
+    @cached_property
+    def outlines(self) -> list[IntArray]:
+        """Closed paths of vertices along the boundary; the last vertex is the first."""
+        return [np.append(loop, loop[0]) for loop in boundary_loops(self.faces)]
+
+    @cached_property
+    def creases(self) -> list[IntArray]:
+        """Paths of vertices along creases."""
+        return [np.array(path) for path in self.problem.crease_paths()]
+
+    @cached_property
+    def held_lines(self) -> list[IntArray]:
+        """Supported parts of outlines and creases with two or more vertices."""
+        held = np.zeros(len(self.vertices), bool)
+        held[self.problem.supports] = True
+        found = []
+        for path in (*self.outlines, *self.creases):
+            both = held[path[:-1]] & held[path[1:]]
+            found += [path[part[0] : part[-1] + 2] for part in _runs(both)]
+        return found
+
+    @cached_property
+    def held_points(self) -> IntArray:
+        """Supports that are not on supported lines."""
+        on_lines = np.concatenate([np.empty(0, np.int64), *self.held_lines])
+        return np.setdiff1d(self.problem.supports, on_lines)
+
+    def silhouettes(self, eye: FloatArray) -> list[FloatArray]:
+        """Return the edges between faces towards the viewer and faces away, for the direction (3,) of the viewer, as polylines."""
+        sides = np.sort(np.stack([self.faces, np.roll(self.faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+        towards = np.repeat(face_normals(self.vertices, self.faces) @ eye > 0.0, 3)
+        edges, number, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+        turned = (np.bincount(number.ravel(), towards, len(edges)) == 1) & (count == 2)
+        return [self.vertices[path] for path in crease_paths(edges[turned].tolist())]
+
+
+def _runs(mask: np.ndarray) -> list[IntArray]:
+    """Return the positions of consecutive true values, one array per run."""
+    at = np.flatnonzero(mask)
+    return [run for run in np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if len(run)]
+
+
+def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north: FloatArray) -> View:
+    """Return the plan with outlines, creases, contour lines with heights, supports, section lines and the north arrow.
+
+    Parameters
+    ----------
+    shape
+        The surface.
+    scale
+        Millimetres of the sheet per unit of length of the surface.
+    interval
+        Height between contour lines [L].
+    cuts
+        Planes of the sections.
+    north
+        ``(2,)`` direction of north in plan.
+    """
+    origin = shape.low[:2]
+
+    def put(points: FloatArray) -> FloatArray:
+        return scale * (points[:, :2] - origin) + PADDING[0]
+
+    size = scale * (shape.high - shape.low)[:2]
+    lines, labels = [], []
+    for level in shape.levels(interval):
+        for line in level_lines(shape.vertices, shape.faces, shape.vertices[:, 2], level):
+            parts, text = [put(line)], _height(level, interval)
+            if np.linalg.norm(np.diff(parts[0], axis=0), axis=1).sum() > MIN_LABEL_ROOM * letters(text):
+                parts, label = cut_for(parts[0], text)
+                labels.append(label)
+            lines += [Line("CONTOUR", part) for part in parts]
+    lines += [Line("CREASE", put(shape.vertices[path])) for path in shape.creases]
+    lines += [Line("OUTLINE", put(shape.vertices[path])) for path in shape.outlines]
+    lines += [Line("SUPPORT", put(shape.vertices[path])) for path in shape.held_lines]
+    half = 0.5 * SUPPORT_SIZE * np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
+    lines += [Line("SUPPORT", at + half, closed=True) for at in put(shape.vertices[shape.held_points])]
+    for cut in cuts:
+        start, end = (put(at[None])[0] for at in _across(cut, shape))
+        along = (end - start) / np.linalg.norm(end - start)
+        towards = np.array([-along[1], along[0]])
+        start, end = start - LETTER_AT * along, end + LETTER_AT * along
+        lines.append(Line("SECTION", np.stack([start, end])))
+        for at in (start, end):
+            lines += arrow(at, at + 4.0 * towards, "SECTION")
+            labels.append(Label("SECTION", cut.letter, at - 2.4 * towards, 1.4 * TEXT_HEIGHT))
+    low, high = PADDING[0], PADDING[0] + size
+    for start, end, own in ((low, [high[0], low[1]], size[0]), ([low[0], high[1]], low, size[1])):
+        drawn, label = dimension(np.array(start), np.array(end), shape.number(own / scale), DIMENSION_AT)
+        lines += drawn
+        labels.append(label)
+    middle = np.array([high[0] + PADDING[1, 0] - 5.0, high[1] + PADDING[1, 1] - 6.0])
+    way = north / np.linalg.norm(north)
+    lines += arrow(middle - 0.5 * NORTH_LENGTH * way, middle + 0.5 * NORTH_LENGTH * way, "FRAME")
+    labels.append(Label("TEXT", "N", middle + (0.5 * NORTH_LENGTH + 2.2) * way))
+    return _named("Plan", lines, labels, size)
+
+
+def _height(level: float, interval: float) -> str:
+    digits = len(f"{interval:.6f}".rstrip("0").partition(".")[2])
+    return f"{level + 0.0:.{digits}f}"
+
+
+def _across(cut: Cut, shape: Shape) -> tuple[FloatArray, FloatArray]:
+    """Return the ends of a section line across the surface in plan (3,)."""
+    corners = np.array([[x, y] for x in (shape.low[0], shape.high[0]) for y in (shape.low[1], shape.high[1])])
+    along = (corners - cut.start) @ cut.along
+    first, last = (np.append(cut.start + own * cut.along, 0.0) for own in (along.min(), along.max()))
+    return first, last
+
+
+def section(shape: Shape, scale: float, cut: Cut) -> View:
+    """Return the line in which a vertical plane cuts the surface, and the visible outlines and creases beyond."""
+    along = np.append(cut.along, 0.0)
+    eye = np.cross(along, UP)
+    behind = -(shape.vertices - np.append(cut.start, 0.0)) @ eye
+    lines = [("CUT", line) for line in level_lines(shape.vertices, shape.faces, behind, 0.0)]
+    beyond = shape.faces[(behind[shape.faces] >= 0).all(axis=1)]
+    hidden_by = shape.faces[(behind[shape.faces] > 0).any(axis=1)]
+    if len(beyond):
+        drawn = [shape.vertices[path] for path in (*shape.outlines, *shape.creases)]
+        for line in (*drawn, *shape.silhouettes(eye)):
+            keep = -(line - np.append(cut.start, 0.0)) @ eye > 0
+            parts = [line[run[0] : run[-1] + 1] for run in _runs(keep) if len(run) > 1]
+            lines += [("BEYOND", seen) for part in parts for seen in _visible(part, shape.vertices, hidden_by, along, eye)]
+    return _upright(f"Section {cut.letter}-{cut.letter}", shape, scale, along, lines)
+
+
+def elevation(shape: Shape, scale: float, name: str, towards: FloatArray) -> View:
+    """Return the visible outlines, creases and silhouettes of the surface.
+
+    Parameters
+    ----------
+    shape
+        The surface.
+    scale
+        Millimetres of the sheet per unit of length of the surface.
+    name
+        Side of the viewer.
+    towards
+        ``(2,)`` unit vector in plan from the surface to the viewer.
+    """
+    eye = np.append(towards, 0.0)
+    along = np.cross(UP, eye)
+    lines = []
+    paths = [
+        *(("OUTLINE", shape.vertices[path]) for path in shape.outlines),
+        *(("OUTLINE", line) for line in shape.silhouettes(eye)),
+        *(("CREASE", shape.vertices[path]) for path in shape.creases),
+        *(("SUPPORT", shape.vertices[path]) for path in shape.held_lines),
+    ]
+    for layer, line in paths:
+        lines += [(layer, seen) for seen in _visible(line, shape.vertices, shape.faces, along, eye)]
+    return _upright(f"{name} elevation", shape, scale, along, lines)
+
+
+def _visible(line: FloatArray, vertices: FloatArray, faces: IntArray, along: FloatArray, eye: FloatArray) -> list[FloatArray]:
+    """Return the parts of a polyline (k, 3) that no face hides."""
+    axes = np.stack([along, UP, eye])
+    place = np.arange(PIECES * (len(line) - 1) + 1) / PIECES
+    fine = np.stack([np.interp(place, np.arange(len(line)), line[:, axis]) for axis in range(3)], axis=1)
+    seen = in_sight(0.5 * (fine[1:] + fine[:-1]) @ axes.T, vertices @ axes.T, faces)
+    return [fine[run[0] : run[-1] + 2] for run in _runs(seen)]
+
+
+def _upright(name: str, shape: Shape, scale: float, along: FloatArray, drawn: Sequence[tuple[str, FloatArray]]) -> View:
+    """Return a section or elevation with the ground line, supports, and the heights of the lowest and highest points."""
+    every = shape.vertices[np.unique(shape.faces)] @ along
+    low = np.array([every.min(), shape.low[2]])
+    size = scale * np.array([np.ptp(every), shape.high[2] - shape.low[2]])
+
+    def put(points: FloatArray) -> FloatArray:
+        return scale * (np.stack([points @ along, points[:, 2]], axis=1) - low) + PADDING[0]
+
+    lines = [Line(layer, put(points)) for layer, points in drawn]
+    labels = []
+    foot = 0.5 * SUPPORT_SIZE * np.array([[0.0, 0.0], [1, -1.6], [-1, -1.6]])
+    lines += [Line("SUPPORT", at + foot, closed=True) for at in put(shape.vertices[shape.held_points])]
+    for height in sorted({shape.low[2], shape.high[2]}):
+        level = scale * (height - shape.low[2]) + PADDING[0, 1]
+        lines.append(Line("GROUND", np.array([[PADDING[0, 0] - 3.0, level], [PADDING[0, 0] + size[0] + 3.0, level]])))
+        # Marks of a flat surface would cover each other.
+        if height == shape.low[2] or size[1] > 1.5 * TEXT_HEIGHT:
+            mark, label = height_mark(np.array([PADDING[0, 0] - 3.0, level]), shape.number(height + 0.0))
+            lines += mark
+            labels.append(label)
+    return _named(name, lines, labels, size)
+
+
+def _named(name: str, lines: list[Line], labels: list[Label], size: FloatArray) -> View:
+    """Return a view with its name below."""
+    whole = size + PADDING.sum(axis=0)
+    title = Label("TEXT", name, np.array([0.5 * whole[0], 3.0]), 1.4 * TEXT_HEIGHT)
+    return View(name, lines, [*labels, title], whole)
