@@ -67,6 +67,13 @@ class ViewSheet(NamedTuple):
         Heights and polylines ``(k, 3)`` of the contour lines [L].
     cuts
         Letters and polylines ``(k, 3)`` of the sections [L].
+
+    Examples
+    --------
+    >>> from compas_cgc import CGCMesh
+    >>> from compas_cgc.fabrication import draw_views
+    >>> draw_views(CGCMesh.from_meshgrid(dx=4, nx=4)).size
+    (420.0, 297.0)
     """
 
     lines: list[Line]
