@@ -78,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--supports", choices=("corners", "boundary", "none"), help="what is held (default: that of the file, or corners)")
     parser.add_argument("--edges", type=int, metavar="N", help="edges of the mesh along the side of a panel (default: 4 or more)")
     parser.add_argument("--tolerance", metavar="D", help="largest distance of a smooth surface fitted to a mesh (default: the file's)")
-    parser.add_argument("--report", metavar="JSON", help="write moulds, distances and folds as JSON")
+    parser.add_argument("--report", metavar="JSON", help="write moulds, distances, folds, and the accuracy of smooth surfaces as JSON")
     parser.add_argument("--sweep", type=int, nargs="*", metavar="N", help="write distances for these numbers of moulds to OUT.csv and .png")
     parser.add_argument("--nurbs", action="store_true", help="fit a NURBS surface to each panel, on the layer CGC::NURBS of a .3dm file")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
@@ -200,7 +200,7 @@ def _write(arguments: argparse.Namespace, found: Rationalised) -> tuple[list[Pat
         else:
             notes = write(output, found.result)
         if arguments.report:
-            write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+            write_text(arguments.report, json.dumps({**record, "files": notes}, indent=1, ensure_ascii=False) + "\n")
             written.append(Path(arguments.report))
     return written, notes
 

@@ -32,9 +32,4 @@ def step_bytes(problem: CGCProblem) -> tuple[bytes, list[str]]:
     factor = MILLIMETRES.get(problem.drawing.units or "Meters", 1e3)
     shell, order = shell_of(occt, fit, lambda points: factor * (fit.centre + fit.scale * points))
     content = step_content(shell, problem.drawing.name or "compas_cgc", [f"region {number}" for number in order])
-    half, most, largest = (100.0 * error for error in fit.percentiles())
-    return content, [
-        f"{len(fit.pieces)} faces in one shell, {factor * fit.gap:.2g} mm apart at most, "
-        f"within {factor * fit.distance:.3g} mm of the mesh; "
-        f"error of K away from supports {half:.2g} % (50 %), {most:.2g} % (95 %), {largest:.2g} % (100 %)"
-    ]
+    return content, [f"{len(fit.pieces)} faces in one shell, {fit.accuracy(fit.percentiles(), factor, ' mm')}"]

@@ -49,8 +49,10 @@ def test_a_design_becomes_panels_with_a_report_and_is_read_by_the_mould_command(
 
 def test_panels_are_drawn_as_surfaces_on_demand(design, tmp_path, capsys):
     out = tmp_path / "panels.3dm"
-    assert main(["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--nurbs"]) == 0
-    assert "8 NURBS surfaces" in capsys.readouterr().out
+    command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--nurbs"]
+    assert main([*command, "--report", str(tmp_path / "panels.json")]) == 0
+    (note,) = json.loads((tmp_path / "panels.json").read_text(encoding="utf-8"))["files"]
+    assert note.startswith("8 NURBS surfaces") and "kinks at smooth seams" in note and note in capsys.readouterr().out
     names = [item.name for item in list_items(read_archive(out)) if item.layer == "CGC::NURBS"]
     assert sum(name.startswith("region") for name in names) == 8
     code = main(["rationalise", str(design), "-o", str(tmp_path / "panels.obj"), "--nurbs", "-q"])

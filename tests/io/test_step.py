@@ -77,11 +77,58 @@ def test_panels_of_a_rationalised_roof_are_one_valid_shell(panels, tmp_path):
     assert len(free_edges(shell)) == len(rim) == 20
 
 
-def test_panels_of_a_rationalised_roof_have_their_curvature(panels):
-    fit = region_surfaces(panels.result.problem)
+@pytest.fixture(scope="module")
+def panel_fit(panels):
+    return region_surfaces(panels.result.problem)
+
+
+def test_panels_of_a_rationalised_roof_have_their_curvature(panels, panel_fit):
+    fit = panel_fit
     assert fit.gap < 1e-6 * fit.scale and fit.distance < 5e-4 * fit.scale and fit.percentiles()[1] < 0.02
     made = region_patches(panels.result.problem, fit)
     assert all(patch.sides for patch in made.patches) and made.percentiles[1] < 0.02
+
+
+def normals(piece, points):
+    """Return unit normals of a surface at points of it, from differences towards the middle of its rectangle."""
+    xy = piece.local(points)[:, :2]
+    inwards = np.where(xy < [0.5 * (knots[0] + knots[-1]) for knots in piece.space.knots], 1e-6, -1e-6)
+    u, v = (piece.lifted(xy + inwards * step) - piece.lifted(xy) for step in np.eye(2))
+    normal = np.cross(u, v) * np.sign(inwards[:, :1] * inwards[:, 1:])
+    return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def kinks(fit, edge, curve):
+    """Return the angles between both surfaces along a shared edge [deg]."""
+    one, two = (normals(fit.pieces[region], curve) for region in edge.regions)
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(one, two), axis=1), np.einsum("ij,ij->i", one, two)))
+
+
+def test_kinks_at_smooth_seams_are_bounded_and_reported(panels, panel_fit, monkeypatch):
+    fit = panel_fit
+    found = np.concatenate([kinks(fit, edge, curve) for edge, curve in zip(fit.edges, fit.curves) if len(edge.regions) == 2])
+    assert fit.kinks == pytest.approx(found, abs=1e-3)
+    half, most, largest = fit.kink_percentiles()
+    assert half < 0.2 and most < 0.65 and largest < 0.8
+    text = f"kinks at smooth seams {half:.2g} (50 %), {most:.2g} (95 %), {largest:.2g} degrees (100 %)"
+    assert text in fit.accuracy(np.zeros(3), 1.0, "m")
+    monkeypatch.setattr(shell_fit, "KINK", 1e9)
+    assert half < 0.8 * shell_fit.fitted(panels.result.problem, 0.67).kink_percentiles()[0]
+
+
+def test_edges_stay_inside_the_rectangles_of_their_surfaces(panel_fit):
+    for edge, curve in zip(panel_fit.edges, panel_fit.curves):
+        for region in edge.regions:
+            piece = panel_fit.pieces[region]
+            for axis, knots in enumerate(piece.space.knots):
+                assert (knots[0] < piece.local(curve)[:, axis]).all() and (piece.local(curve)[:, axis] < knots[-1]).all()
+
+
+def test_creases_keep_their_folds(facade):
+    fit = region_surfaces(facade.problem)
+    assert not len(fit.kinks)
+    folds = [np.median(kinks(fit, edge, curve)) for edge, curve in zip(fit.edges, fit.curves) if len(edge.regions) == 2]
+    assert len(folds) == 2 and min(folds) > 14.0
 
 
 def test_a_sphere_with_a_courtyard_is_trimmed_to_its_area(tmp_path):

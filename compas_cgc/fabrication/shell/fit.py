@@ -1,7 +1,8 @@
 """Smooth surfaces of all regions at once: heights over a plane for each region, equal along the edges that regions share.
 
 Heights are tensor-product splines. Gauss-Newton minimises the error of K at points of all faces, the distance from the vertices,
-the gaps along shared edges and the roughness. The regions are fitted together, so that neighbours meet along one curve.
+the gaps along shared edges, the kinks along smooth ones and the roughness. The regions are fitted together, so that neighbours meet
+along one curve, with small kinks along seams that are meant to be smooth.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from .edges import region_edges
 from .heights import SECOND_ORDERS
 from .heights import HeightSpace
 from .heights import curvature
+from .joints import Joints
+from .joints import Region
 
 __all__ = ["AIM", "CLOSE", "LOOSE", "Fit", "Piece", "fitted", "reference", "samples"]
 
@@ -36,6 +39,8 @@ DISTANCE = 7e-5  # distance of a vertex, relative to the size, that costs as muc
 CURVATURE_ERROR = 0.003  # error of K relative to its target
 CURVATURE_FLOOR = 0.02  # smallest reference for errors of K, for a surface of size 1
 REGION_FLOOR = 0.005  # the same for a region of size 1, whose development such an error of K strains by about 2e-4
+MAX_SEAM_KINK = np.radians(3.0)  # median kink of an edge up to which regions are meant to meet smoothly; a larger one is a crease
+KINK = np.radians(0.35)  # kink at a smooth edge that costs as much as CURVATURE_ERROR
 ROUGHNESS = 1e-10  # weight of the squared third derivative for edges of length 1
 START_ROUGHNESS = 1e-4  # the same for the initial surface through the vertices
 HELD_MARGIN = 3.0  # distance from supports, in mesh edges, up to which the weight of K is reduced: it may be singular there
@@ -67,6 +72,7 @@ MEASURED_GAP = 1e-3  # relative gap of the stages whose surfaces are candidates
 MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the size
 COARSE_DISTANCE = 1e-3  # the largest one, for meshes whose faces are as far from the surface
 MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
+MAX_KINK = 2.0  # tolerance of the kink at smooth edges, 95th percentile [deg]
 MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from supports
 AIM = 0.02  # the same error, below which surfaces are compared by their distance and gap too
 AWAY = 2.0  # distance from supports, in mesh edges, beyond which the error of K counts
@@ -104,6 +110,7 @@ class Fit(NamedTuple):
     edges: list[RegionEdge]
     curves: list[FloatArray]  # (k, 3) points of every edge on its first surface, in the frame
     gap: float  # largest distance of the second surface from the points of a shared edge [L]
+    kinks: FloatArray  # (n,) angles between the normals at the points of shared edges that are meant to be smooth [deg]
     distance: float  # largest distance of a vertex from its surface [L]
     sagitta: float  # largest distance of a face from the surface over it, away from supports [L]
     errors: FloatArray  # (m,) error of K at the face centres relative to its target, NaN where no K is prescribed
@@ -114,6 +121,10 @@ class Fit(NamedTuple):
         errors = self.errors[self.away]
         errors = errors[np.isfinite(errors)]
         return np.percentile(errors, [50, 95, 100]) if len(errors) else np.zeros(3)
+
+    def kink_percentiles(self) -> FloatArray:
+        """Return the 50th, 95th and 100th percentile of the kinks at smooth edges (3,) [deg]."""
+        return np.percentile(self.kinks, [50, 95, 100]) if len(self.kinks) else np.zeros(3)
 
     @property
     def reach(self) -> float:
@@ -126,9 +137,17 @@ class Fit(NamedTuple):
         return max(self.shortfall(), 1.0), far, max(float(self.percentiles()[1]), AIM), self.shortfall()
 
     def shortfall(self) -> float:
-        """Return the largest of distance, gap and error of K (95th percentile), each relative to its tolerance."""
+        """Return the largest of distance, gap, kink and error of K (95th percentiles), each relative to its tolerance."""
         gap, curvature_error = self.gap / (MAX_GAP * self.scale), float(self.percentiles()[1]) / MAX_CURVATURE_ERROR
-        return max(self.distance / self.reach, gap, curvature_error)
+        return max(self.distance / self.reach, gap, curvature_error, float(self.kink_percentiles()[1]) / MAX_KINK)
+
+    def accuracy(self, errors: FloatArray, factor: float, unit: str) -> str:
+        """Return gaps and distances, multiplied by a factor, kinks, and percentiles of the error of K (3,), as a phrase."""
+        half, most, largest = (100.0 * errors).tolist()
+        text = f"{factor * self.gap:.2g}{unit} apart at most, within {factor * self.distance:.3g}{unit} of the mesh; "
+        if len(self.kinks):
+            text += "kinks at smooth seams {:.2g} (50 %), {:.2g} (95 %), {:.2g} degrees (100 %); ".format(*self.kink_percentiles())
+        return text + f"error of K away from supports {half:.2g} % (50 %), {most:.2g} % (95 %), {largest:.2g} % (100 %)"
 
 
 def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
@@ -154,10 +173,8 @@ def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
 class _Region(NamedTuple):
     used: IntArray  # its vertices
     faces: Faces
-    axes: FloatArray
     plan: FloatArray  # (n, 3) all vertices in its axes
-    space: HeightSpace
-    start: int  # of its coefficients
+    splines: Region
 
 
 class _System:
@@ -172,11 +189,12 @@ class _System:
         self.edges = region_edges(self.V, F, self.label)
         self.lines = [samples(self.V[edge.path]) for edge in self.edges]
         self.regions = self._regions(cell)
-        self.size = sum(region.space.size for region in self.regions)
-        self._edges()
+        self.size = sum(region.splines.space.size for region in self.regions)
+        self.joints = Joints([region.splines for region in self.regions], self.edges, self.lines, self.size)
         self._tether()
         self._curvature()
-        self.rough = sum((own.T @ own for own in self._stack(lambda region: region.space.roughness())), sparse.csr_matrix((self.size,) * 2))
+        rough = sparse.vstack(self._stack(lambda region: region.splines.space.roughness())).tocsr()
+        self.rough = rough.T @ rough
 
     def _regions(self, cell: float) -> list[_Region]:
         regions, start = [], 0
@@ -188,27 +206,27 @@ class _System:
             own = np.concatenate(
                 [plan[np.unique(faces)]] + [line @ axes.T for e, line in zip(self.edges, self.lines) if number in e.regions]
             )
-            space = HeightSpace.over(own[:, :2].min(axis=0), own[:, :2].max(axis=0), cell * self.edge)
-            regions.append(_Region(np.unique(faces), faces, axes, plan, space, start))
+            # Edges move within the tolerance of the distance, and stay inside the rectangle.
+            low, high = own[:, :2].min(axis=0) - MAX_DISTANCE, own[:, :2].max(axis=0) + MAX_DISTANCE
+            space = HeightSpace.over(low, high, cell * self.edge)
+            regions.append(_Region(np.unique(faces), faces, plan, Region(axes, space, start)))
             start += space.size
         return regions
 
-    def _placed(self, rows: sparse.csr_matrix, region: _Region) -> sparse.csr_matrix:
-        """Return rows on the coefficients of a region as rows on all coefficients."""
-        return sparse.csr_matrix((rows.data, rows.indices + region.start, rows.indptr), shape=(rows.shape[0], self.size))
-
     def _stack(self, rows: Callable[[_Region], sparse.csr_matrix]) -> list[sparse.csr_matrix]:
-        return [self._placed(rows(region), region) for region in self.regions]
+        return [region.splines.placed(rows(region), self.size) for region in self.regions]
 
     def _tether(self) -> None:
-        self.near = sparse.vstack(self._stack(lambda region: region.space.basis(region.plan[region.used, :2]))).tocsr()
+        self.near = sparse.vstack(self._stack(lambda region: region.splines.space.basis(region.plan[region.used, :2]))).tocsr()
         self.heights = np.concatenate([region.plan[region.used, 2] for region in self.regions])
 
     def _curvature(self) -> None:
         targets = [np.nan if K is None else K * self.scale**2 for K in self.problem.region_targets()]
         self.places = [np.einsum("pc,fcx->fpx", FACE_POINTS, own.plan[own.faces][:, :, :2]).reshape(-1, 2) for own in self.regions]
         self.parts = [
-            sparse.vstack([self._placed(own.space.basis(xy, order), own) for own, xy in zip(self.regions, self.places)]).tocsr()
+            sparse.vstack(
+                [own.splines.placed(own.splines.space.basis(xy, order), self.size) for own, xy in zip(self.regions, self.places)]
+            ).tocsr()
             for order in SECOND_ORDERS
         ]
         self.target = np.concatenate([np.full(len(xy), targets[k]) for k, xy in enumerate(self.places)])
@@ -239,44 +257,14 @@ class _System:
         return errors
 
     def _piece(self, own: _Region, x: FloatArray) -> Piece:
-        return Piece(own.axes, own.space, x[own.start : own.start + own.space.size])
-
-    def _edges(self) -> None:
-        """Find the points of all edges in the planes of their first regions, and the points of shared edges beside every region."""
-        firsts = [(line @ self.regions[edge.regions[0]].axes.T)[:, :2] for edge, line in zip(self.edges, self.lines)]
-        self.ends = np.cumsum([0, *map(len, firsts)])
-        first = np.repeat([edge.regions[0] for edge in self.edges], np.diff(self.ends))
-        second = np.repeat([edge.regions[1] if len(edge.regions) == 2 else -1 for edge in self.edges], np.diff(self.ends))
-        self.plan, self.directions, self.beside = np.concatenate(firsts), np.stack([self.regions[k].axes for k in first]), second
-        order = np.argsort(first, kind="stable")
-        rows = [self._placed(own.space.basis(self.plan[first == k]), own) for k, own in enumerate(self.regions)]
-        self.lift = sparse.vstack(rows).tocsr()[np.argsort(order)]
-
-    def gaps(self, x: FloatArray) -> tuple[sparse.csr_matrix, FloatArray, list[FloatArray]]:
-        """Return the gaps along shared edges (k,), their derivatives (k, size), and the points of all edges on their first surface."""
-        points = np.einsum("ki,kij->kj", np.column_stack([self.plan, self.lift @ x]), self.directions)
-        rows, gaps = [sparse.csr_matrix((0, self.size))], [np.empty(0)]
-        for number, second in enumerate(self.regions):
-            here = np.flatnonzero(self.beside == number)
-            if len(here):
-                local = points[here] @ second.axes.T
-                own = x[second.start : second.start + second.space.size]
-                p, q = (second.space.basis(local[:, :2], order) @ own for order in ((1, 0), (0, 1)))
-                upright = 1.0 / np.sqrt(1.0 + p * p + q * q)
-                other = second.space.basis(local[:, :2])
-                way = self.directions[here, 2] @ second.axes.T
-                turn = (way[:, 2] - p * way[:, 0] - q * way[:, 1]) * upright
-                gaps.append((local[:, 2] - other @ own) * upright)
-                one = self.lift[here].multiply(turn[:, None]).tocsr()
-                rows.append(one - self._placed(other.multiply(upright[:, None]).tocsr(), second))
-        curves = [points[first:last] for first, last in zip(self.ends, self.ends[1:])]
-        return sparse.vstack(rows).tocsr(), np.concatenate(gaps), curves
+        return Piece(own.splines.axes, own.splines.space, own.splines.own(x))
 
     def solved(self, stages: Stages) -> Fit:
         """Return the fit."""
         count, stiff = len(self.heights), self.edge**4 * self.rough
         x = splu((self.near.T @ self.near / count + START_ROUGHNESS * stiff).tocsc()).solve(self.near.T @ self.heights / count)
         own, tried = np.ones(count), []
+        self.smooth = self.joints.smooth(self.joints.at(x).kinks, MAX_SEAM_KINK)
         stiff = ROUGHNESS / DISTANCE**2 * stiff
         for looser, outlier, joint in stages:
             K, gradients = curvature(*(part @ x for part in self.parts))
@@ -289,12 +277,23 @@ class _System:
             own *= np.maximum(1.0, np.abs(off) / (looser * DISTANCE))
             own /= np.sqrt(own.mean())
             tether = own / count / (looser * DISTANCE) ** 2
-            across, gap, _ = self.gaps(x)
-            join = 1.0 / (joint * DISTANCE) ** 2 / max(len(gap), 1)
+            joined = self.joints.at(x)
+            join = 1.0 / (joint * DISTANCE) ** 2 / max(len(joined.gaps), 1)
+            bend = self.smooth / KINK**2 / max(len(joined.gaps), 1)
             normal = (
-                by.T @ by.multiply(weight[:, None]) + self.near.T @ self.near.multiply(tether[:, None]) + join * across.T @ across + stiff
+                by.T @ by.multiply(weight[:, None])
+                + self.near.T @ self.near.multiply(tether[:, None])
+                + join * joined.gap_rates.T @ joined.gap_rates
+                + joined.kink_rates.T @ joined.kink_rates.multiply(bend[:, None])
+                + stiff
             )
-            right = self.near.T @ (tether * off) - by.T @ (weight * error) - join * (across.T @ gap) - stiff @ x
+            right = (
+                self.near.T @ (tether * off)
+                - by.T @ (weight * error)
+                - join * (joined.gap_rates.T @ joined.gaps)
+                - joined.kink_rates.T @ (bend * joined.kinks)
+                - stiff @ x
+            )
             normal = (normal + DAMPING * normal.diagonal().mean() * sparse.identity(self.size)).tocsc()
             x = x + splu(normal, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0).solve(right)
             if joint <= MEASURED_GAP:
@@ -303,7 +302,7 @@ class _System:
         return min(tried, key=Fit.rank)
 
     def _measured(self, x: FloatArray) -> Fit:
-        _, gap, curves = self.gaps(x)
+        joined, size = self.joints.at(x), self.scale
         V, F = self.V, self.problem.faces
         held = V[self.problem.supports]
         distant = cKDTree(held).query(V[F].mean(axis=1))[0] > AWAY * self.edge if len(held) else np.ones(len(F), bool)
@@ -316,10 +315,10 @@ class _System:
             corners[..., 2] -= _offsets(piece, corners.reshape(-1, 3))[0].reshape(-1, 3)
             off, upright = _offsets(piece, corners.mean(axis=1))
             sagitta = max(sagitta, float(np.abs(off * upright)[distant[self.label == number]].max(initial=0.0)))
-        gap_ = float(np.abs(gap).max(initial=0.0))
-        size = self.scale
-        away = np.flatnonzero(distant)
-        return Fit(pieces, self.centre, size, self.edges, curves, gap_ * size, distance * size, sagitta * size, self.errors(x), away)
+        gap = size * float(np.abs(joined.gaps).max(initial=0.0))
+        kinks = np.degrees(np.arcsin(np.clip(np.abs(joined.kinks[self.smooth]), 0.0, 1.0)))
+        away, distance, sagitta = np.flatnonzero(distant), size * distance, size * sagitta
+        return Fit(pieces, self.centre, size, self.edges, joined.curves, gap, kinks, distance, sagitta, self.errors(x), away)
 
 
 def _offsets(piece: Piece, local: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -11,6 +11,7 @@ from .fit import CLOSE
 from .fit import LOOSE
 from .fit import MAX_CURVATURE_ERROR
 from .fit import MAX_GAP
+from .fit import MAX_KINK
 from .fit import Fit
 from .fit import fitted
 
@@ -51,10 +52,11 @@ def region_surfaces(problem: CGCProblem) -> Fit:
     assert fit is not None
     if fit.shortfall() <= 1.0:
         return fit
-    size, error = fit.scale, float(fit.percentiles()[1])
+    size, error, kink = fit.scale, float(fit.percentiles()[1]), float(fit.kink_percentiles()[1])
     reasons = {
         f"they are {1e3 * fit.distance / size:.3g} thousandths of the roof's size from the mesh": fit.distance > fit.reach,
         f"neighbouring surfaces are {1e3 * fit.gap / size:.3g} thousandths of the roof's size apart": fit.gap > MAX_GAP * size,
+        f"they kink at smooth seams by {kink:.2g} degrees (95th percentile)": kink > MAX_KINK,
         f"K differs from its target by {100 * error:.3g} % (95th percentile away from supports)": error > MAX_CURVATURE_ERROR,
     }
     missed = " and ".join(reason for reason, missing in reasons.items() if missing)

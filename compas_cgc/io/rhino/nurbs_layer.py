@@ -30,10 +30,6 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
     for edge, points in zip(fit.edges, sides):
         beside = ", ".join(map(str, edge.regions))
         writer.polyline(fit.centre + fit.scale * points, writer.attributes(layer, f"edge of region {beside}", {"regions": beside}))
-    half, most, largest = (100.0 * errors).tolist()
     others = [str(region) for region, patch in enumerate(made) if not patch.sides]
     cut = f"; regions without four sides ({', '.join(others)}) extend beyond their edges and are trimmed in .step files" if others else ""
-    return [
-        f"{len(made)} NURBS surfaces, {fit.gap:.2g}{unit} apart at most, within {fit.distance:.3g}{unit} of the mesh; "
-        f"error of K away from supports {half:.2g} % (50 %), {most:.2g} % (95 %), {largest:.2g} % (100 %){cut}"
-    ]
+    return [f"{len(made)} NURBS surfaces, {fit.accuracy(errors, 1.0, unit)}{cut}"]

@@ -1,0 +1,132 @@
+"""Joints of regions: the points along all edges, and the gaps and kinks between the surfaces that meet there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...discrete.arrays import Mask
+from .edges import RegionEdge
+from .heights import HeightSpace
+
+__all__ = ["Joined", "Joints", "Region"]
+
+FIRST_ORDERS = ((1, 0), (0, 1))
+
+
+class Region(NamedTuple):
+    """The splines of a region, and the place of their coefficients among those of all regions."""
+
+    axes: FloatArray  # (3, 3) rows: two axes of the plane and the direction of the heights
+    space: HeightSpace
+    start: int  # of its coefficients
+
+    def own(self, x: FloatArray) -> FloatArray:
+        """Return the coefficients of the region among all coefficients (size,)."""
+        return x[self.start : self.start + self.space.size]
+
+    def placed(self, rows: sparse.csr_matrix, size: int) -> sparse.csr_matrix:
+        """Return rows on the coefficients of the region as rows on all coefficients."""
+        return sparse.csr_matrix((rows.data, rows.indices + self.start, rows.indptr), shape=(rows.shape[0], size))
+
+
+class Joined(NamedTuple):
+    """Gaps and kinks at the points of shared edges, with their derivatives, and the points of all edges."""
+
+    gaps: FloatArray  # (k,) distances of the second surface from the points, signed
+    gap_rates: sparse.csr_matrix  # (k, size)
+    kinks: FloatArray  # (k,) sines of the angles between the normals, signed
+    kink_rates: sparse.csr_matrix  # (k, size), without the small effect of points that move on the second surface
+    edges: IntArray  # (k,) edge of every point
+    curves: list[FloatArray]  # (n, 3) points of every edge on its first surface
+
+
+class _Side(NamedTuple):
+    normals: FloatArray  # (k, 3)
+    upright: FloatArray  # (k,) cosines of the slopes
+    slopes: tuple[sparse.csr_matrix, sparse.csr_matrix]  # on all coefficients
+    axes: FloatArray  # (k, 3, 3)
+
+
+class Joints:
+    """Points along the edges of regions; those of shared edges are compared on both surfaces.
+
+    Parameters
+    ----------
+    regions
+        The regions.
+    edges
+        Their edges.
+    lines
+        ``(n, 3)`` points of every edge.
+    size
+        Number of coefficients of all regions.
+    """
+
+    def __init__(self, regions: list[Region], edges: list[RegionEdge], lines: list[FloatArray], size: int):
+        self.regions, self.size = regions, size
+        self.ends = np.cumsum([0, *map(len, lines)])
+        number = np.repeat(np.arange(len(edges)), np.diff(self.ends))
+        first = np.array([edge.regions[0] for edge in edges])[number]
+        second = np.array([edge.regions[1] if len(edge.regions) == 2 else -1 for edge in edges])[number]
+        points = np.concatenate(lines)
+        tangents = np.concatenate([np.gradient(line, axis=0) for line in lines])
+        self.axes = np.stack([regions[k].axes for k in first])
+        self.plan = np.einsum("kij,kj->ki", self.axes, points)[:, :2]
+        self.lift, *self.slopes = (self._rows(first, self.plan, order) for order in ((0, 0), *FIRST_ORDERS))
+        self.shared = np.flatnonzero(second >= 0)
+        self.second, self.edges = second[self.shared], number[self.shared]
+        along = tangents[self.shared]
+        self.tangents = along / np.linalg.norm(along, axis=1, keepdims=True)
+        self.second_axes = np.stack([regions[k].axes for k in self.second]) if len(self.second) else np.empty((0, 3, 3))
+
+    def _rows(self, owner: IntArray, plan: FloatArray, order: tuple[int, int]) -> sparse.csr_matrix:
+        """Return basis functions at points (k, 2) of the planes of their regions (k,) as rows on all coefficients."""
+        parts, places = [sparse.csr_matrix((0, self.size))], [np.empty(0, np.int64)]
+        for number, region in enumerate(self.regions):
+            here = np.flatnonzero(owner == number)
+            if len(here):
+                parts.append(region.placed(region.space.basis(plan[here], order), self.size))
+                places.append(here)
+        return sparse.vstack(parts).tocsr()[np.argsort(np.concatenate(places), kind="stable")]
+
+    def at(self, x: FloatArray) -> Joined:
+        """Return the gaps and kinks for coefficients (size,)."""
+        points = np.einsum("ki,kij->kj", np.column_stack([self.plan, self.lift @ x]), self.axes)
+        curves = [points[first:last] for first, last in zip(self.ends, self.ends[1:])]
+        local = np.einsum("kij,kj->ki", self.second_axes, points[self.shared])
+        other, *slopes = (self._rows(self.second, local[:, :2], order) for order in ((0, 0), *FIRST_ORDERS))
+        one = _side(x, tuple(own[self.shared] for own in self.slopes), self.axes[self.shared])
+        two = _side(x, (slopes[0], slopes[1]), self.second_axes)
+        gaps = (local[:, 2] - other @ x) * two.upright
+        turn = np.einsum("ki,ki->k", self.axes[self.shared, 2], two.normals)
+        gap_rates = self.lift[self.shared].multiply(turn[:, None]) - other.multiply(two.upright[:, None])
+        kinks = np.einsum("ki,ki->k", self.tangents, np.cross(one.normals, two.normals))
+        kink_rates = _turned(one, np.cross(two.normals, self.tangents)) + _turned(two, np.cross(self.tangents, one.normals))
+        return Joined(gaps, gap_rates.tocsr(), kinks, kink_rates.tocsr(), self.edges, curves)
+
+    def smooth(self, kinks: FloatArray, most: float) -> Mask:
+        """Return the points of shared edges whose median kink is at most an angle [rad] (k,)."""
+        found = np.zeros(len(kinks), bool)
+        for number in np.unique(self.edges):
+            own = self.edges == number
+            found[own] = np.median(np.abs(kinks[own])) <= np.sin(most)
+        return found
+
+
+def _side(x: FloatArray, slopes: tuple[sparse.csr_matrix, ...], axes: FloatArray) -> _Side:
+    p, q = slopes[0] @ x, slopes[1] @ x
+    upright = 1.0 / np.sqrt(1.0 + p * p + q * q)
+    local = np.column_stack([-p, -q, np.ones(len(p))]) * upright[:, None]
+    return _Side(np.einsum("ki,kij->kj", local, axes), upright, (slopes[0], slopes[1]), axes)
+
+
+def _turned(side: _Side, way: FloatArray) -> sparse.csr_matrix:
+    """Return the derivatives of the components of the normals of one side along directions (k, 3)."""
+    way = way - np.einsum("ki,ki->k", way, side.normals)[:, None] * side.normals
+    p, q = (-np.einsum("ki,ki->k", way, side.axes[:, axis]) * side.upright for axis in (0, 1))
+    return side.slopes[0].multiply(p[:, None]) + side.slopes[1].multiply(q[:, None])
