@@ -211,6 +211,15 @@ def net(pen):
         pen.line([(21 - 6 * k, 3), (15 - 6 * k, 21)], CLAY, 1.8)
 
 
+def quads(pen):
+    """Four plane quads that meet in a node."""
+    rim = [[(3, 8), (11, 4), (21, 6)], [(3, 14), (12, 12), (21, 11)], [(5, 21), (13, 20), (20, 17)]]
+    for i, j, colour in ((0, 0, SAND), (0, 1, TEAL), (1, 0, CLAY), (1, 1, SAND)):
+        pen.area([rim[i][j], rim[i][j + 1], rim[i + 1][j + 1], rim[i + 1][j]], colour)
+    for row in [*rim, *zip(*rim)]:
+        pen.line(list(row), width=1.3)
+
+
 def info(pen):
     """An i."""
     pen.dot(12, 12, 9.5, TEAL)
@@ -268,6 +277,7 @@ ICONS = {
     "CGC_Mesh": mesh,
     "CGC_Mould": mould,
     "CGC_Net": net,
+    "CGC_Quads": quads,
     "CGC_Rationalise": rationalise,
     "CGC_Read3dm": read_3dm,
     "CGC_Regions": regions,

@@ -11,12 +11,16 @@ from .building import build_and_write
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-The quads follow lines of curvature; no line ends inside. Repeat -o to write several files: a .csv lists the faces, a .beams.csv the beams,
-both in millimetres.
+The quads follow lines of curvature; no line ends inside. Repeat -o to write several files. The suffix selects the contents:
+
+  .3dm                     faces, beams and numbers in place, in the unit of the drawing
+  .dxf                     the same in millimetres
+  .flat.dxf, .flat.svg     outlines of all faces and beams, flat at 1:1 in millimetres
+  .csv, .beams.csv         one row per face, one row per beam, in millimetres
 
 examples:
   compas-cgc quads cushion_solved.3dm -o quads.3dm --spacing 0.8
-  compas-cgc quads cushion_solved.3dm -o faces.csv -o frame.beams.csv --depth 0.12
+  compas-cgc quads cushion_solved.3dm -o roof.flat.dxf -o faces.csv -o frame.beams.csv --depth 0.12
 """
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
 from .materials import metres_per_unit
 from .quads import PlaneQuads
 from .tables import csv_text
 
-__all__ = ["beam_text", "face_text"]
+__all__ = ["beam_text", "face_text", "quad_notes"]
 
 
 def face_text(quads: PlaneQuads) -> str:
@@ -28,19 +29,64 @@ def face_text(quads: PlaneQuads) -> str:
                 " ".join(f"{own:.1f}" for own in sides),
                 " ".join(f"{own:.1f}" for own in diagonals),
                 f"{1e-6 * area:.4f}",
-                f"{mm * quads.planarity[number]:.3g}",
+                f"{mm * quads.planarity[number]:.4f}",
             )
         )
     head = ("face", "region", "nodes", "sides in mm", "diagonals in mm", "area in m2", "planarity in mm")
-    return csv_text(head, rows)
+    return csv_text(head, rows, quad_notes(quads))
 
 
 def beam_text(quads: PlaneQuads) -> str:
-    """Return a table (CSV) with one row per beam: its nodes, length between them, and twist over its depth."""
+    """Return a table (CSV) with one row per beam: its nodes and their places, length, depth, twist, and the angle between its faces."""
     mm = 1e3 * metres_per_unit(quads.problem.drawing.units)
     lengths = mm * np.linalg.norm(quads.vertices[quads.edges[:, 0]] - quads.vertices[quads.edges[:, 1]], axis=1)
-    rows = [
-        (f"B{number}", a, b, f"{length:.1f}", f"{mm * quads.depth:.1f}", f"{mm * twist:.3g}")
-        for number, ((a, b), length, twist) in enumerate(zip(quads.edges.tolist(), lengths, quads.twist))
+    rows = []
+    for number, ((a, b), length, twist, angle) in enumerate(zip(quads.edges.tolist(), lengths, quads.twist, _angles(quads))):
+        places = [f"{value:.1f}" for value in np.round(mm * quads.vertices[[a, b]], 1).ravel() + 0.0]
+        folded = "" if np.isnan(angle) else f"{np.degrees(angle):.2f}"
+        rows.append((f"B{number}", a, b, f"{length:.1f}", f"{mm * quads.depth:.1f}", f"{mm * twist:.3f}", folded, *places))
+    places = tuple(f"{end} {axis} in mm" for end in ("from", "to") for axis in "xyz")
+    head = ("beam", "from node", "to node", "length in mm", "depth in mm", "twist in mm", "angle between faces in degrees", *places)
+    return csv_text(head, rows, quad_notes(quads))
+
+
+def _angles(quads: PlaneQuads) -> FloatArray:
+    """Return the angles between the normals of the faces along every beam, positive where convex, NaN at the rim (e,) [rad]."""
+    owner, normals = {}, []
+    for number, face in enumerate(quads.faces):
+        points = quads.vertices[face] - quads.vertices[face].mean(axis=0)
+        normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+        normals.append(normal / np.linalg.norm(normal))
+        owner.update({side: number for side in zip(face, face[1:] + face[:1])})
+    found = np.full(len(quads.edges), np.nan)
+    for k, (a, b) in enumerate(quads.edges.tolist()):
+        left, right = owner.get((a, b)), owner.get((b, a))
+        if left is not None and right is not None:
+            along = quads.vertices[b] - quads.vertices[a]
+            sine = np.cross(normals[left], normals[right]) @ along / np.linalg.norm(along)
+            found[k] = np.arctan2(sine, normals[left] @ normals[right])
+    return found
+
+
+def quad_notes(quads: PlaneQuads) -> list[str]:
+    """Return the conventions of tables and drawings of plane quads."""
+    outwards = float(np.median(np.einsum("ki,ki->k", quads.axes, _node_normals(quads)))) > 0.0
+    return [
+        "lengths in mm; x, y, z: nodes in the coordinates of the model, x and y in plan, z up, with its origin",
+        "outside: the side to which the normals of the surface point; faces are seen from outside, their nodes are counterclockwise",
+        "sides of a face: from each node to the next, in order; diagonals: from the first node to the third, from the second to the fourth",
+        "planarity: largest distance between the diagonals of four consecutive corners",
+        "faces end at the axes of the beams: no joint is taken off, and no thickness of faces or beams is assumed",
+        f"beams are plates across the faces, from the nodes to their depth {'outside' if outwards else 'inside'}; their length is that "
+        "between the nodes; the engineer chooses their thickness",
+        "twist: distance between the diagonals of a beam, 0 if it is plane; angle between faces: between their normals, positive if convex",
     ]
-    return csv_text(("beam", "from node", "to node", "length in mm", "depth in mm", "twist in mm"), rows)
+
+
+def _node_normals(quads: PlaneQuads) -> FloatArray:
+    """Return the sum of the normals of the faces around every node, by area (k, 3) [L^2]."""
+    found = np.zeros_like(quads.vertices)
+    for face in quads.faces:
+        points = quads.vertices[face] - quads.vertices[face].mean(axis=0)
+        found[face] += np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    return found

@@ -67,7 +67,7 @@ OUTPUTS = {
     "membrane": (".3dm", ".inp", ".json"),
     "net": (".3dm", ".dxf", ".json", ".laths.csv", ".laths.dxf"),
     "drawings": (".pdf", ".dxf", ".svg"),
-    "quads": (".3dm", ".dxf", ".json", ".csv", ".beams.csv"),
+    "quads": (".3dm", ".dxf", ".flat.dxf", ".flat.svg", ".json", ".csv", ".beams.csv"),
 }
 
 MEDIA_TYPES = {

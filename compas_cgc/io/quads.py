@@ -7,16 +7,23 @@ import os
 from typing import Union
 
 from .._atomic_write import replacing
+from ..discrete.arrays import FloatArray
+from ..fabrication.dxf import dxf_text
 from ..fabrication.dxf import new_document
 from ..fabrication.dxf import show_all
+from ..fabrication.materials import metres_per_unit
 from ..fabrication.plain_data import build_data
+from ..fabrication.quad_drawing import draw_quads
 from ..fabrication.quad_tables import beam_text
 from ..fabrication.quad_tables import face_text
 from ..fabrication.quads import PlaneQuads
+from ..fabrication.svg import svg_text
 from ._files import suffix_among
 from .formats import OUTPUTS
 
 __all__ = ["write_quads"]
+
+TEXT = 0.1  # height of numbers of faces relative to the spacing
 
 
 def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
@@ -25,8 +32,9 @@ def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
     Parameters
     ----------
     path
-        A .3dm or .dxf with faces, beams and numbers on layers, a .json with corners, faces, beams and figures, a .csv with one row per
-        face, or a .beams.csv with one row per beam.
+        A .3dm, or a .dxf in millimetres, with faces, beams and numbers in place on layers; a .flat.dxf or .flat.svg with the outlines of
+        all faces and beams, flat at 1:1 in millimetres; a .json with corners, faces, beams and figures; a .csv with one row per face, or
+        a .beams.csv with one row per beam.
     quads
         Result of :func:`compas_cgc.fabrication.plane_quads`.
 
@@ -49,6 +57,8 @@ def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
         else:
             text = {
                 ".json": lambda: json.dumps(build_data("quads", quads.problem, quads)) + "\n",
+                ".flat.dxf": lambda: dxf_text(draw_quads(quads)),
+                ".flat.svg": lambda: svg_text(draw_quads(quads)),
                 ".csv": lambda: face_text(quads),
                 ".beams.csv": lambda: beam_text(quads),
             }[suffix]()
@@ -56,16 +66,23 @@ def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
 
 
 def _write_dxf(path: str, quads: PlaneQuads) -> None:
-    document = new_document(quads.problem.drawing.units)
+    mm, height = 1e3 * metres_per_unit(quads.problem.drawing.units), TEXT * quads.spacing
+    document = new_document("Millimeters")
     space = document.modelspace()
-    for name in ("FACES", "BEAMS", "LABELS"):
+    for name in ("FACES", "BEAMS", "FACE_NUMBERS", "BEAM_NUMBERS", "NODE_NUMBERS"):
         document.layers.add(name)
-    for number, face in enumerate(quads.faces):
+
+    def number(text: str, place: FloatArray, size: float, layer: str) -> None:
+        space.add_text(text, height=mm * size, dxfattribs={"layer": layer}).set_placement((mm * place).tolist())
+
+    for k, face in enumerate(quads.faces):
         points = quads.vertices[face]
-        space.add_polyline3d(points.tolist(), close=True, dxfattribs={"layer": "FACES"})
-        middle = points.mean(axis=0).tolist()
-        space.add_text(f"F{number}", height=0.1 * quads.spacing, dxfattribs={"layer": "LABELS"}).set_placement(middle)
-    for a, b in quads.vertices[quads.edges]:
-        space.add_line(a.tolist(), b.tolist(), dxfattribs={"layer": "BEAMS"})
-    show_all(document, quads.vertices)
+        space.add_polyline3d((mm * points).tolist(), close=True, dxfattribs={"layer": "FACES"})
+        number(f"F{k}", points.mean(axis=0), height, "FACE_NUMBERS")
+    for k, ends in enumerate(quads.vertices[quads.edges]):
+        space.add_line(*(mm * ends).tolist(), dxfattribs={"layer": "BEAMS"})
+        number(f"B{k}", ends.mean(axis=0), 0.6 * height, "BEAM_NUMBERS")
+    for k, place in enumerate(quads.vertices):
+        number(str(k), place, 0.5 * height, "NODE_NUMBERS")
+    show_all(document, mm * quads.vertices)
     document.saveas(path)

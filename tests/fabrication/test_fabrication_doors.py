@@ -18,6 +18,7 @@ from compas_cgc.errors import CGCError
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication import option_values
+from compas_cgc.fabrication import plane_quads
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication.option_values import sheet
 
@@ -191,6 +192,17 @@ def test_the_component_net():
     assert len(out["first"]) + len(out["second"]) == len(net.curves) and out["sides"] == net.lengths.tolist()
     through = place("Net").settle(cgc_mesh=mesh, through=[Point3d(0.0, 0.0, 4.0)])
     assert len(through["first"]) == len(through["second"]) == 1
+
+
+@pytest.mark.usefixtures("rhino")
+def test_the_component_quads(tmp_path):
+    mesh = solved(revolved_patch(12, 0.02), 0.02)
+    path = tmp_path / "roof.flat.dxf"
+    out = place("Quads").settle(cgc_mesh=mesh, spacing=1.2, depth=0.1, path=str(path), write=True)
+    quads = plane_quads(mesh, 1.2, depth=0.1)
+    assert len(out["faces"]) == len(quads.faces) and len(out["beams"]) == len(quads.edges) and path.exists()
+    assert out["planarity"] == quads.planarity.tolist() and out["twist"] == quads.twist.tolist() and out["report"] == quads.summary()
+    assert len(out["nodes"]) == len(out["axes"]) == len(quads.vertices)
 
 
 def test_a_strain_given_in_percent_without_its_sign_is_refused():

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from compas_cgc import solve
 from compas_cgc.cli.main import main
 from compas_cgc.errors import CGCError
 from compas_cgc.fabrication import plane_quads
+from compas_cgc.fabrication.outlines import signed_area
 from compas_cgc.fabrication.quads.cross_field import cross_field
 from compas_cgc.fabrication.quads.extraction import Polygons
 from compas_cgc.fabrication.quads.merging import merged
@@ -191,7 +193,7 @@ def test_the_slopes_of_the_distance_between_diagonals_are_exact():
 
 def test_the_command_writes_faces_and_beams(tmp_path):
     write(tmp_path / "solved.3dm", solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))))
-    names = ["q.3dm", "q.dxf", "q.json", "q.csv", "q.beams.csv"]
+    names = ["q.3dm", "q.dxf", "q.flat.dxf", "q.flat.svg", "q.json", "q.csv", "q.beams.csv"]
     outputs = [word for name in names for word in ("-o", str(tmp_path / name))]
     assert main(["quads", str(tmp_path / "solved.3dm"), "--spacing", "0.8", "--depth", "0.1", "-q", *outputs]) == 0
     data = json.loads((tmp_path / "q.json").read_text())
@@ -209,8 +211,31 @@ def test_the_command_writes_faces_and_beams(tmp_path):
     import rhino3dm
     from ezdxf import filemanagement
 
-    layers = [each.dxf.layer for each in filemanagement.readfile(tmp_path / "q.dxf").modelspace()]
-    assert layers.count("FACES") == len(faces) and layers.count("BEAMS") == len(beams)
+    for row in beams:
+        ends = np.array([[float(row[f"{end} {axis} in mm"]) for axis in "xyz"] for end in ("from", "to")])
+        assert ends == pytest.approx(vertices[[int(row["from node"]), int(row["to node"])]], abs=0.06)
+        assert not row["angle between faces in degrees"] or float(row["angle between faces in degrees"]) > 0.0  # a dome
+    document = filemanagement.readfile(tmp_path / "q.dxf")
+    layers = [each.dxf.layer for each in document.modelspace()]
+    assert layers.count("FACES") == layers.count("FACE_NUMBERS") == len(faces)
+    assert layers.count("BEAMS") == layers.count("BEAM_NUMBERS") == len(beams)
+    assert document.header["$INSUNITS"] == 4 and np.allclose(document.header["$EXTMAX"], vertices.max(axis=0))
+    flat = filemanagement.readfile(tmp_path / "q.flat.dxf")
+    assert not flat.audit().errors and flat.header["$INSUNITS"] == 4
+    outlines = [np.array([point[:2] for point in line.get_points()]) for line in flat.modelspace().query('LWPOLYLINE[layer=="CUT"]')]
+    names = {text.dxf.text: text for text in flat.modelspace().query('TEXT[layer=="LABEL"]')}
+    assert set(names) == {*(row["face"] for row in faces), *(row["beam"] for row in beams)} and len(outlines) == len(names)
+    lines = ElementTree.parse(tmp_path / "q.flat.svg").getroot().findall(".//{http://www.w3.org/2000/svg}g[@id='CUT']/*")
+    assert len(lines) == len(outlines)
+    for row, points in zip(faces, outlines):
+        sides = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+        assert sides == pytest.approx([float(value) for value in row["sides in mm"].split()], abs=0.06)
+        assert signed_area(points) == pytest.approx(1e6 * float(row["area in m2"]), rel=1e-3)  # also: seen from outside
+    for row, points in zip(beams, outlines[len(faces) :]):
+        assert np.linalg.norm(points[1] - points[0]) == pytest.approx(float(row["length in mm"]), abs=0.06)
+    legend = {text.dxf.text.split(":")[0] for text in flat.modelspace().query('TEXT[layer=="LEGEND"]')}
+    assert {each.dxf.layer for each in flat.modelspace()} - {"LEGEND"} <= legend
     model = rhino3dm.File3dm.Read(str(tmp_path / "q.3dm"))
     drawn = [model.Layers[own.Attributes.LayerIndex].FullPath for own in model.Objects]
-    assert drawn.count("CGC Quads::Beams") == len(beams) and drawn.count("CGC Quads::Outlines") == len(faces)
+    assert drawn.count("CGC Quads::Beams") == len(beams)
+    assert drawn.count("CGC Quads::Outlines") == drawn.count("CGC Quads::Numbers") == len(faces)

@@ -42,7 +42,7 @@ from .planarity import gaps
 from .planarity import planarised
 from .planarity import polygon_edges
 
-__all__ = ["PlaneQuads", "plane_quads"]
+__all__ = ["PlaneQuads", "axis_lines", "plane_quads"]
 
 SMOOTHING = (0.3, 0.6, 1.2, 2.4)  # of the spacing, over which directions are averaged, until singularities are far enough apart
 FINENESS = 0.25  # of the spacing, below which the edges of the mesh are divided
@@ -171,6 +171,11 @@ class PlaneQuads:
         return "\n".join([*lines, *self.notes])
 
     __str__ = summary
+
+
+def axis_lines(quads: PlaneQuads) -> FloatArray:
+    """Return the axes of the nodes as lines over the depth of the beams (k, 2, 3) [L]."""
+    return np.stack([quads.vertices, quads.vertices + quads.depth * quads.axes], axis=1)
 
 
 class _Layout(NamedTuple):

@@ -40,6 +40,14 @@ def write_quad_layers(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
         strip = np.vstack([ends, (ends + quads.depth * quads.axes[[a, b]])[::-1]])
         text = {"nodes": f"{a} {b}", "length": repr(float(np.linalg.norm(ends[1] - ends[0]))), "twist": repr(float(quads.twist[number]))}
         writer.mesh(mesh_from_arrays(strip, np.array([[0, 1, 2], [0, 2, 3]])), writer.attributes(beams, f"B{number}", text))
+    numbers = writer.layer(f"{QUADS}::Numbers", (60, 60, 60))
+    for number, face in enumerate(quads.faces):
+        writer.dot(f"F{number}", quads.vertices[face].mean(axis=0), writer.attributes(numbers))
+    others = writer.attributes(writer.layer(f"{QUADS}::Numbers of beams and nodes", (120, 120, 120), visible=False))
+    for number, ends in enumerate(quads.vertices[quads.edges]):
+        writer.dot(f"B{number}", ends.mean(axis=0), others)
+    for number, place in enumerate(quads.vertices):
+        writer.dot(str(number), place, others)
     if len(quads.irregular):
         writer.points(quads.vertices[quads.irregular], writer.attributes(writer.layer(f"{QUADS}::Irregular nodes", (60, 60, 60))))
     surface = writer.layer(f"{QUADS}::Surface", (160, 160, 160), visible=False)

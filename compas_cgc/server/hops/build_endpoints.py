@@ -13,7 +13,7 @@ from .schema import icon
 __all__ = ["BUILDS", "build_endpoints"]
 
 BLUE = "#2b7bba"
-BUILDS = "cgc/mould", "cgc/unroll", "cgc/membrane", "cgc/net"
+BUILDS = "cgc/mould", "cgc/unroll", "cgc/membrane", "cgc/net", "cgc/quads"
 
 
 def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ...]:
@@ -182,6 +182,28 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                 Output("Second", "B", "Curve", "Curves of the other family; empty for rulings."),
                 Output("Nodes", "N", "Point", "Intersections of the two families."),
                 Output("Sides", "S", "Number", "Lengths between nodes along the curves."),
+                info,
+            ),
+        ),
+        Endpoint(
+            "cgc/quads",
+            "CGC Quads",
+            "Cover a solved surface with K > 0 or constant H by plane quads along lines of curvature, with beams along their sides.",
+            icon("M3 8L11 4L21 7L14 12ZM3 8L5 18L14 21L14 12M14 21L21 16L21 7", BLUE),
+            (
+                *surface,
+                Input("Spacing", "S", "Number", "Distance between lines. Defaults to 0: a twelfth of a region.", default=0.0, low=0.0),
+                Input("Depth", "D", "Number", "Depth of the beams. Defaults to 0: a tenth of the spacing.", default=0.0, low=0.0),
+                drawn["Law"],
+            ),
+            (
+                Output("Faces", "F", "Curve", "Outlines of the plane faces, counterclockwise seen from outside."),
+                Output("Beams", "B", "Curve", "Lines of the beams between nodes."),
+                Output("Nodes", "N", "Point", "Corners of the faces; their numbers are those of the tables."),
+                Output("Axes", "A", "Curve", "Axes of the nodes over the depth of the beams."),
+                Output("Irregular", "I", "Point", "Inner nodes with other than four beams."),
+                Output("Planarity", "P", "Number", "Largest distance between the diagonals of every face."),
+                Output("Twist", "T", "Number", "Distance between the diagonals of every beam."),
                 info,
             ),
         ),

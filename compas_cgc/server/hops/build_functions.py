@@ -14,6 +14,7 @@ from ...fabrication.crosses import crosses
 from ...fabrication.membrane_state import forces_at_vertices
 from ...fabrication.mould_surface import cap_mesh
 from ...fabrication.piece_list import cut_list_text
+from ...fabrication.quads.layout import axis_lines
 from ...fabrication.tasks import build
 from ...model.problem import CGCProblem
 from ..api.rhino_mesh import mesh_text
@@ -30,6 +31,7 @@ __all__ = ["BUILD_FUNCTIONS"]
 MOULD = {"Count": "count", "Size": "size", "Along": "along", "Material": "material", "Thickness": "thickness"}
 UNROLL = {"Strain": "strain", "Spacing": "spacing", "Margin": "margin", "Allowance": "allowance", "Whole": "whole"}
 MEMBRANE = {"Pressure": "pressure", "Weight": "weight", "EdgeBeams": "edge_beams"}
+QUADS = {"Spacing": "spacing", "Depth": "depth"}
 NET = {"Spacing": "spacing", "Through": "through", "Kind": "kind"}
 
 
@@ -155,9 +157,30 @@ def _net_outputs(problem: CGCProblem, net: Any) -> list[dict]:
     ]
 
 
+def _quads(*request: Any) -> Reply:
+    def settings(inputs: dict) -> dict[str, Any]:
+        return _settings(inputs, QUADS)
+
+    return _built("quads", settings, _quad_outputs, *request)
+
+
+def _quad_outputs(problem: CGCProblem, quads: Any) -> list[dict]:
+    outlines = [quads.vertices[[*face, face[0]]] for face in quads.faces]
+    return [
+        entry("Faces", "Curve", [polyline_text(points) for points in outlines]),
+        entry("Beams", "Curve", [polyline_text(ends) for ends in quads.vertices[quads.edges]]),
+        entry("Nodes", "Point", quads.vertices.tolist()),
+        entry("Axes", "Curve", [polyline_text(ends) for ends in axis_lines(quads)]),
+        entry("Irregular", "Point", quads.vertices[quads.irregular].tolist()),
+        entry("Planarity", "Number", quads.planarity.tolist()),
+        entry("Twist", "Number", quads.twist.tolist()),
+    ]
+
+
 BUILD_FUNCTIONS: dict[str, Callable[[dict, dict, Limits, float], Reply]] = {
     "cgc/mould": _mould,
     "cgc/unroll": _unroll,
     "cgc/membrane": _membrane,
     "cgc/net": _net,
+    "cgc/quads": _quads,
 }

@@ -48,6 +48,7 @@ FUNCTIONS = {
     "unroll": {"Mesh": None, "K": [0.0], "Length": [2.0]},
     "membrane": {"Mesh": None, "K": [0.01], "Pressure": [1.0]},
     "net": {"Mesh": None, "K": [-0.01], "Through": [POINT]},
+    "quads": {"Mesh": None, "K": [0.01], "Spacing": [2.0]},
     "submit": {"Mesh": None, "K": [0.01, 0.02], "At": [POINT, POINT], "Delay": [1]},
     "fetch": {"Job": ["no-such-job"], "Tick": [0]},
 }

@@ -64,7 +64,21 @@ def test_the_functions_are_described(server, generation):
     listed = json.loads(body)
     assert isinstance(listed, list) and {entry["Uri"] for entry in listed} == {
         f"/cgc/{name}"
-        for name in ("dome", "solve", "goals", "flow", "analyse", "mould", "unroll", "membrane", "net", "rationalise", "submit", "fetch")
+        for name in (
+            "dome",
+            "solve",
+            "goals",
+            "flow",
+            "analyse",
+            "mould",
+            "unroll",
+            "membrane",
+            "net",
+            "quads",
+            "rationalise",
+            "submit",
+            "fetch",
+        )
     }
     for entry in listed:
         component = Hops(server.url + entry["Uri"], generation)

@@ -8,6 +8,7 @@ import pytest
 from compas_cgc import CGCProblem
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication import plane_quads
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication.curves import plural
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
@@ -102,6 +103,15 @@ def test_a_net_and_curves_through_points(hops):
     assert np.allclose(outputs["Sides"], net.lengths) and len(outputs["Nodes"]) == len(net.nodes)
     status, outputs, errors, _ = hops("net").solve(Mesh=mesh, K=[-0.02], Through=[(0.0, 0.0, 4.0)])
     assert (status, errors) == (200, []) and len(outputs["First"]) == len(outputs["Second"]) == 1
+
+
+def test_plane_quads_and_their_beams(hops):
+    shape = revolved_patch(12, 0.02)
+    status, outputs, errors, _ = hops("quads").solve(Mesh=mesh_from_arrays(*shape), K=[0.02], Spacing=1.2, Depth=0.1)
+    quads = plane_quads(problem(shape, 0.02), 1.2, depth=0.1)
+    assert (status, errors) == (200, []) and len(outputs["Faces"]) == len(quads.faces) and len(outputs["Beams"]) == len(quads.edges)
+    assert np.allclose(outputs["Planarity"], quads.planarity) and np.allclose(outputs["Twist"], quads.twist)
+    assert len(outputs["Nodes"]) == len(outputs["Axes"]) == len(quads.vertices) and quads.summary() in outputs["Info"][0]
 
 
 def test_a_net_on_a_soap_film_is_of_the_kind_that_is_chosen(hops):

@@ -1,0 +1,137 @@
+"""Plane faces and beams of quads as flat outlines at 1:1, in millimetres."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from .drawing import LETTER_WIDTH
+from .drawing import Drawing
+from .drawing import Line
+from .drawing import Text
+from .drawing import clearance
+from .drawing import roomiest
+from .legend import with_legend
+from .materials import metres_per_unit
+from .nesting import nest
+from .quad_tables import quad_notes
+from .quads import PlaneQuads
+
+__all__ = ["draw_quads", "flat_beam", "flat_face"]
+
+ASPECT = 1.5  # of the drawing of all faces
+GAP, TEXT, ARROW = 0.1, 0.05, 0.25  # distance of faces, height of texts and length of arrows, relative to the spacing
+MEANINGS = {
+    "CUT": "outline of a face or beam between the axes of the nodes; no joint is taken off",
+    "MARK": "arrow in a face along its first side, from its first node to the second; beams: the side that lies along the faces",
+    "LABEL": "number of the face or beam, upright when it is read like this text",
+    "SEAM": "beam along the side",
+    "NODE": "node at the corner",
+    "SHEET": "title",
+}
+
+
+def flat_face(quads: PlaneQuads, face: int) -> FloatArray:
+    """Return the corners (k, 2) of a face in its plane, counterclockwise seen from outside, the first side along x [mm]."""
+    return _flat(1e3 * metres_per_unit(quads.problem.drawing.units) * quads.vertices[quads.faces[face]])
+
+
+def flat_beam(quads: PlaneQuads, beam: int) -> FloatArray:
+    """Return the corners (4, 2) of a beam in its mean plane: the side along the faces along x, then the side at its depth [mm]."""
+    ends = quads.edges[beam]
+    far = quads.vertices[ends] + quads.depth * quads.axes[ends]
+    return _flat(1e3 * metres_per_unit(quads.problem.drawing.units) * np.vstack([quads.vertices[ends], far[::-1]]))
+
+
+def _flat(points: FloatArray) -> FloatArray:
+    """Return points (k, 3) of a nearly plane polygon in its plane, counterclockwise, the first side along x, at positive coordinates."""
+    up = np.cross(points - points.mean(axis=0), np.roll(points, -1, axis=0) - points.mean(axis=0)).sum(axis=0)
+    up /= np.linalg.norm(up)
+    along = points[1] - points[0]
+    along = along - up * (along @ up)
+    along /= np.linalg.norm(along)
+    flat = (points - points[0]) @ np.column_stack([along, np.cross(up, along)])
+    return flat - flat.min(axis=0)
+
+
+def draw_quads(quads: PlaneQuads) -> Drawing:
+    """Return the flat outlines of all faces and, above them, of all beams, with numbers, nodes, neighbours and orientation marks [mm].
+
+    Parameters
+    ----------
+    quads
+        Result of :func:`compas_cgc.fabrication.plane_quads`.
+    """
+    mm = 1e3 * metres_per_unit(quads.problem.drawing.units)
+    gap, height = GAP * mm * quads.spacing, TEXT * mm * quads.spacing
+    faces = [flat_face(quads, k) for k in range(len(quads.faces))]
+    beams = [flat_beam(quads, k) for k in range(len(quads.edges))]
+    beam_at = {frozenset(edge): k for k, edge in enumerate(quads.edges.tolist())}
+    lines, texts, low, right = list[Line](), list[Text](), 0.0, 0.0
+    width = math.sqrt(ASPECT * sum(float(np.prod(np.ptp(face, axis=0) + gap)) for face in faces))
+    for kind, outlines in (("faces", faces), ("beams", beams)):
+        sizes = [(float(x), float(y)) for x, y in (np.ptp(outline, axis=0) for outline in outlines)]
+        width = max(width, *(x for x, _ in sizes))
+        places = nest(sizes, (width, math.inf), gap, turn=False)
+        top = max(place.y + size[1] for place, size in zip(places, sizes))
+        for number, (outline, place) in enumerate(zip(outlines, places)):
+            points = outline + [place.x, low + place.y]
+            right = max(right, float(points[:, 0].max()))
+            lines.append(Line("CUT", points, True))
+            middle = points.mean(axis=0)
+            if kind == "faces":
+                nodes = quads.faces[number]
+                beside = [f"B{beam_at[frozenset(ends)]}" for ends in zip(nodes, nodes[1:] + nodes[:1])]
+                lines.append(_arrow(points, middle))
+                texts += _along(points, middle, beside, nodes, height)
+                texts.append(_label(f"F{number}", points, 2.0 * height))
+            else:
+                nodes = quads.edges[number].tolist()
+                lines.append(Line("MARK", points[:2] + 0.1 * (points[[3, 2]] - points[:2])))
+                room = float(np.ptp(points[:, 1]))
+                size = min(height, 0.4 * room)
+                ends = zip(nodes, (points[0] + points[3], points[1] + points[2]))
+                texts += [Text("NODE", str(node), 0.425 * both + 0.15 * middle, 0.5 * size) for node, both in ends]
+                length = float(np.linalg.norm(points[1] - points[0]))
+                name = f"B{number}"
+                texts.append(Text("LABEL", name, middle, min(size, length / (2.0 * LETTER_WIDTH * len(name)))))
+        low += top + 10.0 * height
+    title = f"{len(faces)} faces and above them {len(beams)} beams of a depth of {mm * quads.depth:.1f} mm, flat at 1:1, in mm"
+    texts.append(Text("SHEET", title, np.array([0.5 * right, low - 6.0 * height]), 2.0 * height))
+    return with_legend(Drawing(lines, texts, (right, low), "Millimeters"), MEANINGS, quad_notes(quads), 1.5 * height)
+
+
+def _label(name: str, points: FloatArray, height: float) -> Text:
+    """Return the name of a face at the place with most room."""
+    share = np.array([[i, j, k] for i in range(1, 8) for j in range(1, 8) for k in range(1, 8) if i + j + k == 9]) / 9.0
+    fan = np.array([points[[0, k, k + 1]] for k in range(1, len(points) - 1)])
+    place, room = roomiest(np.einsum("sc,fcj->fsj", share, fan).reshape(-1, 2), [points])
+    half = 0.5 * math.hypot(LETTER_WIDTH * len(name), 1.0)
+    return Text("LABEL", name, place, min(height, 0.6 * room / half))
+
+
+def _arrow(points: FloatArray, middle: FloatArray) -> Line:
+    """Return an arrow inside a face along its first side."""
+    a, b = points[:2] + 0.15 * (middle - points[:2])
+    start, end = a + (0.5 - ARROW) * (b - a), a + (0.5 + ARROW) * (b - a)
+    back, aside = 0.15 * (start - end), 0.15 * (end - start) @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    return Line("MARK", np.array([start, end, end + back + 0.5 * aside, end + back - 0.5 * aside, end]))
+
+
+def _along(points: FloatArray, middle: FloatArray, beside: list[str], nodes: list[int], height: float) -> list[Text]:
+    """Return the beams along the sides of a face, and the nodes at its corners, inside the outline."""
+    texts = []
+    ahead = np.roll(points, -1, axis=0)
+    for k, (a, b) in enumerate(zip(points, ahead)):
+        length = float(np.linalg.norm(b - a))
+        along = (b - a) / max(length, np.finfo(float).tiny)
+        inward = np.array([-along[1], along[0]])
+        size = min(height, 0.2 * length)
+        # Beyond the arrow along the first side.
+        extra = 0.15 * abs(float((middle - a) @ inward)) if k == 0 else 0.0
+        place = 0.5 * (a + b) + (clearance(beside[k], 0.7 * size, inward) + extra) * inward
+        texts.append(Text("SEAM", beside[k], place, 0.7 * size))
+        texts.append(Text("NODE", str(nodes[k]), a + 0.12 * (middle - a), 0.5 * size))
+    return texts
