@@ -51,8 +51,8 @@ COMMANDS = {
 }
 
 EXITS = """\
-exit codes: 0 done; 1 not converged to the tolerance; 2 input refused, with the reason; 3 converged, but rough; 4 an output other than
-the surface could not be written; 130 interrupted; 143 terminated
+exit codes: 0 done; 1 not converged to the tolerance; 2 input refused, with the reason; 3 written, but rough, or with panels that would
+break; 4 an output other than the surface could not be written; 130 interrupted; 143 terminated
 """
 
 

@@ -23,6 +23,7 @@ from .building import with_curves
 from .console import Parts
 from .console import printer
 from .exits import DONE
+from .exits import ROUGH
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,6 +41,8 @@ OUTPUT is a .3dm file with the layers CGC Moulds::Moulds, Outlines, Panels on mo
 moulds, the panels on them and the panels in place as named faces. Moulds are exact surfaces in both. An .ifc file (IFC 4) holds the roof
 and its panels as plates with class, K, mould radius, area and course. A page of pictures is written beside it, with the suffix .pdf.
 --schedule writes the lengths of sides, diagonals and neighbours of every panel.
+
+If panels would be bent beyond the strength of the material, the report begins with them, and the exit code is 3; the files are written.
 
 examples:
   compas-cgc solve roof.3dm -o solved.3dm --measure exact
@@ -102,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
         echo(f"{output}: {note}")
     for path in written:
         echo(f"wrote {path}")
-    return DONE
+    return ROUGH if report.overstressed else DONE
 
 
 def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespace) -> Optional[Figure]:
@@ -125,7 +128,7 @@ def _write_schedule(path: Path, problem: CGCProblem, report: MouldReport, name: 
     if path.suffix.lower() == ".pdf":
         from ..plot.panel_sheets import save_panel_sheets
 
-        return save_panel_sheets(sheets, path, f"{name}:")
+        return save_panel_sheets(sheets, path, f"{name}, {report.thickness:g} mm {report.material.name}:")
     write_text(path, schedule_text(sheets))
     return path
 

@@ -378,6 +378,11 @@ def _remarks(loads: EdgeLoads, edge_beams: bool, correction: float) -> tuple[str
         remarks.append(f"free edges need edge beams for line loads of up to {free.max():.4g}; membrane forces do not vanish there")
     if len(creases):
         remarks.append(f"creases must carry line loads of up to {creases.max():.4g} to the supports")
+    if len(creases) or (len(free) and edge_beams):
+        remarks.append(
+            "statically indeterminate with elastic beams: these forces belong to beams along free edges and creases that take exactly the "
+            "line loads given here; finite elements with beams that deflect find other forces, by the stiffness of the beams"
+        )
     if correction > MAX_CORRECTION:
         remarks.append(
             f"edge forces deviate from the formula by {100 * correction:.3g} % because the mesh is irregular; N1, N2 and line loads are "

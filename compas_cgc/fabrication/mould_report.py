@@ -20,6 +20,7 @@ from .flattening import LONG_ASPECT
 from .flattening import STRAIN
 from .flattening import strain_of_width
 from .flattening import widest_panel
+from .materials import MATERIALS
 from .materials import Material
 from .mould_surface import Surface
 from .panel_seams import PanelSeam
@@ -75,6 +76,11 @@ class PanelFit:
     into_place: Fit  # best rigid motion from the mould to the position
     stresses: FloatArray  # (f,) stress of bending of every face [MPa]
     singular: bool  # whether its largest stress grows as the mesh is refined, as at point supports
+
+    @property
+    def stress_95(self) -> float:
+        """95th percentile, by area, of the stress of bending [MPa]; unlike the maximum it converges under refinement."""
+        return _percentile_95([self])
 
     @property
     def width(self) -> float:
@@ -140,16 +146,25 @@ class MouldReport:
             }
             for own in self.moulds
         ]
-        about = {"material": self.material.name, "thickness_mm": self.thickness, "unit_m": self.unit, "edges": self.edges}
+        beyond = [own.panel.name for own in self.overstressed]
+        about = {
+            "overstressed": beyond,
+            "material": self.material.name,
+            "thickness_mm": self.thickness,
+            "unit_m": self.unit,
+            "edges": self.edges,
+        }
         return {"moulds": moulds, "panels": [own.to_dict() for own in self.panels], **about}
 
     @property
     def stress_95(self) -> float:
         """95th percentile, by area, of the bending stress of all panels [MPa]; unlike the maximum it converges under refinement."""
-        stress = np.concatenate([own.stresses for own in self.panels])
-        areas = np.concatenate([face_areas(own.vertices, own.faces) for own in self.panels])
-        order = np.argsort(stress, kind="stable")
-        return float(stress[order][np.searchsorted(np.cumsum(areas[order]), 0.95 * areas.sum())])
+        return _percentile_95(self.panels)
+
+    @property
+    def overstressed(self) -> list[PanelFit]:
+        """Panels that are bent beyond the strength of the material on more than 5 % of their area."""
+        return [own for own in self.panels if 1e6 * own.stress_95 > self.material.strength]
 
     @property
     def edges(self) -> str:
@@ -159,6 +174,7 @@ class MouldReport:
     def __str__(self) -> str:
         return "\n".join(
             [
+                *self._overstressed(),
                 f"{_many(len(self.panels), 'panel')} on {_many(len(self.moulds), 'mould')}, with edges as {self.edges}",
                 *(line for own in self.moulds for line in self._lines(own)),
                 f"bending stress on 95 % of the area: at most {_two_digits(self.stress_95)} MPa",
@@ -167,6 +183,29 @@ class MouldReport:
                 "congruence does not guarantee that a sheet can be bent into place: check the change of curvature and the stress",
             ]
         )
+
+    def _overstressed(self) -> list[str]:
+        """Return a sentence on panels that would break, with remedies."""
+        broken = self.overstressed
+        if not broken:
+            return []
+        most = 1e6 * max(own.stress_95 for own in broken)
+        strength, own = self.material.strength, self.material
+        thinner = f"{self.thickness * strength / most:.2g} mm"
+        # Stress is proportional to the stiffness of the plate for the same change of curvature.
+        others = [
+            other.name
+            for other in MATERIALS.values()
+            if most * other.modulus / (1.0 - other.poisson**2) / (own.modulus / (1.0 - own.poisson**2)) <= other.strength
+        ]
+        how = f", use {' or '.join(others)}" if others else ""
+        which = "all panels" if len(broken) == len(self.panels) else f"panels {', '.join(fit.panel.name for fit in broken)}"
+        return [
+            f"NOT BUILDABLE like this: {len(broken)} of {_many(len(self.panels), 'panel')} are bent beyond the strength of "
+            f"{self.thickness:g} mm {own.name}, up to {100 * most / strength:.0f} % of it ({_two_digits(1e-6 * most)} of "
+            f"{1e-6 * strength:g} MPa, without safety factor): {which}. Make these panels in their final shape (hot bending, casting) "
+            f"instead of bending them from a mould of constant K, use sheets of at most {thinner}{how}"
+        ]
 
     def _singular(self) -> list[str]:
         names = [own.panel.name for own in self.panels if own.singular]
@@ -185,9 +224,10 @@ class MouldReport:
     def _lines(self, mould: Mould) -> list[str]:
         own = [fit for fit in self.panels if fit.mould == mould.number]
         long = mould.radius_of_curvature
-        what = f"{mould.kind} of K = {mould.K:.6g}" + ("" if long is None else f", radius {long:.5g}")
+        mm = 1e3 * self.unit
+        what = f"{mould.kind} of K = {mould.K / self.unit**2:.6g} 1/m²" + ("" if long is None else f", radius {mm * long:.0f} mm")
         lines = [
-            f"mould {mould.number}: {what}, cap of radius {mould.radius:.4g} for {_many(mould.panels, 'panel')}",
+            f"mould {mould.number}: {what}, cap of radius {mm * mould.radius:.0f} mm for {_many(mould.panels, 'panel')}",
             f"  fit: gaps up to {max(fit.gap for fit in own):.2g} mm, relative edge errors up to {max(fit.edge_error for fit in own):.1e}",
             f"  without bending, panels deviate from their position by {_spread([fit.rigid for fit in own], 'mm')}",
         ]
@@ -201,13 +241,20 @@ class MouldReport:
             )
         if mould.K:
             wide, strip = widest_panel(mould.K, STRAIN), widest_panel(mould.K, STRAIN, LONG_ASPECT)
-            widths = [fit.width for fit in own]
-            strains = [100 * strain_of_width(mould.K, width) for width in widths]
+            strains = [100 * strain_of_width(mould.K, fit.width) for fit in own]
+            widths = _spread([mm * fit.width for fit in own], "mm")
             lines.append(
-                f"  pressed flat sheets: {100 * STRAIN:g} % strain allows widths of {wide:.3g} (square: sqrt(24 strain / |K|)) or "
-                f"{strip:.3g} (long strips); these ({_spread(widths)}) need strains of {_spread(strains, '%')}"
+                f"  pressed flat sheets: {100 * STRAIN:g} % strain allows widths of {mm * wide:.0f} mm (square: sqrt(24 strain / |K|)) or "
+                f"{mm * strip:.0f} mm (long strips); these ({widths}) need strains of {_spread(strains, '%')}"
             )
         return lines
+
+
+def _percentile_95(panels: list[PanelFit]) -> float:
+    stress = np.concatenate([own.stresses for own in panels])
+    areas = np.concatenate([face_areas(own.vertices, own.faces) for own in panels])
+    order = np.argsort(stress, kind="stable")
+    return float(stress[order][np.searchsorted(np.cumsum(areas[order]), 0.95 * areas.sum())])
 
 
 def _many(number: int, what: str) -> str:

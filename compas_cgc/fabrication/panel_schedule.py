@@ -30,12 +30,23 @@ _HEAD = (
     "mould radius in mm",
     "length in mm",
     "width in mm",
-    "rise in mm",
+    "rise over mean plane in mm",
     "area in m2",
     "sides in mm",
     "neighbours",
-    "diagonals in mm",
+    "diagonals between corners in mm",
     "bending stress in MPa",
+    "part of strength in %",
+)
+NOTES = (
+    "lengths in mm, in position, seen from outside, the side to which the normals point; sides are counterclockwise from corner 1",
+    "length and width: smallest rectangle around the outline in the mean plane of the panel",
+    "rise: distance between the lowest and the highest point of the panel over its mean plane",
+    "sides: along the outline, from each corner to the next; neighbours in the same order; edge: edge of the roof",
+    "diagonals: straight distances between corners that are no neighbours, in the order 1-3, 1-4, ..., 2-4, ...",
+    "mould radius: 1/sqrt|K|, the radius of a sphere, or of a pseudosphere for K < 0",
+    "bending stress: largest stress of bending from the mould into position; part of strength: on 95 % of the area of the panel, of the "
+    "characteristic bending strength without safety factor; above 100 % the panel breaks",
 )
 
 
@@ -58,6 +69,7 @@ class PanelSheet(NamedTuple):
     size: tuple[float, float]  # length and width of the smallest rectangle [mm]
     rise: float  # distance between the lowest and the highest point over the mean plane [mm]
     area: float  # [m^2]
+    used: float  # stress of bending on 95 % of the area, relative to the strength of the material
 
 
 def panel_sheets(problem: CGCProblem, report: MouldReport) -> list[PanelSheet]:
@@ -126,6 +138,7 @@ def _sheet(report: MouldReport, fit: PanelFit, outline: FloatArray, inside: Floa
         (mm * max(box.length, box.width), mm * min(box.length, box.width)),
         mm * float(np.ptp(height)),
         report.unit**2 * float(face_areas(fit.vertices, fit.faces).sum()),
+        1e6 * fit.stress_95 / report.material.strength,
     )
 
 
@@ -147,7 +160,7 @@ def _corners(flat: FloatArray, beyond: IntArray) -> IntArray:
 
 def schedule_text(sheets: list[PanelSheet]) -> str:
     """Return the schedule as CSV, one row per panel; sides and neighbours are counterclockwise, seen from outside."""
-    return csv_text(_HEAD, map(_row, sheets))
+    return csv_text(_HEAD, map(_row, sheets), NOTES)
 
 
 def _row(own: PanelSheet) -> tuple:
@@ -165,4 +178,5 @@ def _row(own: PanelSheet) -> tuple:
         " ".join(side.neighbour for side in own.sides),
         " ".join(f"{length:.1f}" for _, _, length in own.diagonals),
         "" if own.fit.stress is None else f"{own.fit.stress:.1f}",
+        "" if own.fit.stress is None else f"{100.0 * own.used:.0f}",
     )

@@ -132,6 +132,14 @@ def _comments(state: MembraneState, model: Model) -> list[str]:
         "membrane forces N1 and N2 by compas_cgc are comments at the end of this file",
         "CalculiX includes loads applied directly to supported nodes in RF; subtract them to obtain the reactions",
     ]
+    loads = np.linalg.norm(state.edge_loads.load[state.edge_loads.kind > 0], axis=1)
+    if len(loads):
+        notes.append(
+            f"statically indeterminate: the beams of this model, squares of {model.beam:g} mm along creases and free edges, are elastic, "
+            "and the forces depend on their stiffness against that of the membrane. N1 and N2 below belong to beams and supports that take "
+            f"exactly the line loads of compas_cgc, up to {loads.max():.4g}; finite elements find N1 and N2 with these line loads in place "
+            "of the beams, and other forces with beams that deflect."
+        )
     if rim > 3:
         notes.append(
             f"statically indeterminate: {rim} edges are held in all directions. Equilibrium alone does not determine the membrane forces; "

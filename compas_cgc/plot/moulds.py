@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["moulds_figure"]
 
 PAGE = (11.7, 8.3)  # A4 [in]
+WARNING = "#b00020"
 NAMED = 200  # number of panels up to which they are labelled
 LETTER = 0.65  # width of a character, relative to the font size
 MAX_MOULDS = 4  # number of moulds that are drawn
@@ -70,7 +71,12 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     problem = mesh.to_problem().without_dummies()
     figure = new_figure(*PAGE)
     figure.text(0.03, 0.965, title or "Moulds", fontsize=13, color=INK, va="top")
-    figure.text(0.03, 0.925, _wrapped(str(report)), fontsize=6.2, color=INK, va="top", family="monospace", linespacing=1.35)
+    lines = str(report).split("\n")
+    warned = 1 if report.overstressed else 0
+    warning = _wrapped("\n".join(lines[:warned]))
+    rest = "\n" * len(warning.splitlines()) + _wrapped("\n".join(lines[warned:]))
+    for text, ink in ((warning, WARNING), (rest, INK)):
+        figure.text(0.03, 0.925, text, fontsize=6.2, color=ink, va="top", family="monospace", linespacing=1.35)
     plan = figure.add_axes((0.03, 0.06, 0.30, 0.52))
     kinds = [PALETTE[(fit.mould - 1) % len(PALETTE)] for fit in report.panels]
     _draw_plan(plan, problem, report, colours=kinds)
@@ -84,7 +90,7 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     side = min(0.28, 0.5 / len(shown))
     for k, mould in enumerate(shown):
         ax = figure.add_axes((0.98 - (len(shown) - k) * side, 0.65, side - 0.01, 0.28))
-        _draw_mould(ax, mould, [fit for fit in report.panels if fit.mould == mould.number])
+        _draw_mould(ax, mould, [fit for fit in report.panels if fit.mould == mould.number], report.unit)
     return figure
 
 
@@ -149,7 +155,7 @@ def _draw_values(figure: Figure, ax: Axes, problem: CGCProblem, report: MouldRep
     bar.ax.tick_params(labelsize=6)
 
 
-def _draw_mould(ax: Axes, mould: Mould, panels: list[PanelFit]) -> None:
+def _draw_mould(ax: Axes, mould: Mould, panels: list[PanelFit], unit: float) -> None:
     """Draw a mould from above with the outlines of all its panels."""
     vertices, faces = cap_mesh(mould.surface, mould.radius)
     collections = matplotlib_module("collections")
@@ -160,7 +166,7 @@ def _draw_mould(ax: Axes, mould: Mould, panels: list[PanelFit]) -> None:
     for fit in panels:
         lines += [fit.on_mould[np.append(loop, loop[0])][:, :2] for loop in boundary_loops(fit.faces)]
     ax.add_collection(collections.LineCollection(lines, colors=INK, linewidths=0.3))
-    ax.set_title(f"mould {mould.number}: {mould.kind}, K = {mould.K:.4g}", fontsize=7)
+    ax.set_title(f"mould {mould.number}: {mould.kind}, K = {mould.K / unit**2:.4g} 1/m²", fontsize=7)
     _tidy(ax)
 
 

@@ -23,13 +23,24 @@ if TYPE_CHECKING:
 __all__ = ["panel_figure", "save_panel_sheets"]
 
 PAGE = (11.7, 8.3)  # A4 [in]
+WARNING = "#b00020"
 ROWS = 32  # of the schedule on one page
 MARGIN = 0.16  # around an outline, relative to its size
-HEAD = ("panel", "region", "mould", "K [1/m²]", "length x width [mm]", "rise [mm]", "area [m²]", "sides [mm] and neighbours")
+HEAD = (
+    "panel",
+    "region",
+    "mould",
+    "K [1/m²]",
+    "length x width [mm]",
+    "rise over mean plane [mm]",
+    "area [m²]",
+    "stress",
+    "sides [mm] and neighbours",
+)
 
 
 def save_panel_sheets(sheets: list[PanelSheet], path: Union[str, os.PathLike], title: str = "") -> Path:
-    """Write the schedule of panels and one drawing per panel as PDF.
+    """Write the schedule of panels and one drawing per panel as PDF; panels that would break are red.
 
     Raises
     ------
@@ -52,18 +63,32 @@ def _pages(sheets: list[PanelSheet], title: str) -> Iterator[Figure]:
 def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
     figure = new_figure(*PAGE)
     figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
-    figure.text(0.05, 0.925, "lengths in millimetres; sides counterclockwise, seen from outside", fontsize=7, color=INK)
-    columns = np.array([0.05, 0.12, 0.17, 0.22, 0.3, 0.43, 0.5, 0.57])
-    for row, cells in enumerate([HEAD, *map(_cells, sheets)]):
+    about = (
+        "lengths in millimetres; sides counterclockwise, seen from outside; stress: of bending on 95 % of the area, in % of the strength"
+    )
+    broken = [own.fit.panel.name for own in sheets if own.used > 1.0]
+    figure.text(0.05, 0.935, f"{about} (red: the panel breaks)" if broken else about, fontsize=7, color=INK)
+    columns = np.array([0.05, 0.11, 0.15, 0.19, 0.25, 0.35, 0.47, 0.52, 0.57])
+    for row, (own, cells) in enumerate(zip([None, *sheets], [HEAD, *map(_cells, sheets)])):
+        ink = WARNING if own is not None and own.used > 1.0 else INK
         for x, cell in zip(columns, cells):
-            figure.text(x, 0.89 - row * 0.026, cell, fontsize=6.5, color=INK, weight="bold" if row == 0 else "normal")
+            figure.text(x, 0.9 - row * 0.026, cell, fontsize=6.5, color=ink, weight="bold" if row == 0 else "normal")
     return figure
 
 
 def _cells(own: PanelSheet) -> tuple[str, ...]:
     sides = ", ".join(f"{side.length:.1f} ({side.neighbour})" for side in own.sides)
     size = f"{own.size[0]:.1f} x {own.size[1]:.1f}"
-    about = (own.fit.panel.name, str(own.fit.panel.region), str(own.fit.mould), f"{own.K:.6g}", size, f"{own.rise:.1f}", f"{own.area:.3f}")
+    about = (
+        own.fit.panel.name,
+        str(own.fit.panel.region),
+        str(own.fit.mould),
+        f"{own.K:.6g}",
+        size,
+        f"{own.rise:.1f}",
+        f"{own.area:.3f}",
+        f"{100.0 * own.used:.0f} %",
+    )
     return (*about, sides if len(sides) < 90 else f"{len(own.sides)} sides, see the drawing")
 
 
@@ -101,11 +126,16 @@ def panel_figure(own: PanelSheet, title: str = "") -> Figure:
     lines = [
         f"region {own.fit.panel.region}, mould {own.fit.mould}: {shape}",
         f"rectangle {own.size[0]:.1f} x {own.size[1]:.1f} mm, rise over the mean plane {own.rise:.1f} mm, area {own.area:.3f} m²",
-        "inside: lengths of sides along the panel; outside: panels beyond; dashed: straight distances between corners",
+        "inside: lengths of sides along the panel; outside: panels beyond; dashed: diagonals, straight distances between corners",
     ]
     if own.fit.stress is not None:
-        lines.insert(2, f"bending stress from the mould into position: {own.fit.stress:.1f} MPa")
-    figure.text(0.05, 0.04, "\n".join(lines), fontsize=8, color=INK, linespacing=1.6)
+        breaks = ": the panel breaks" if own.used > 1.0 else ""
+        lines.insert(
+            2,
+            f"bending stress from the mould into position: {own.fit.stress:.1f} MPa at most; on 95 % of the area "
+            f"{own.fit.stress_95:.1f} MPa, {100.0 * own.used:.0f} % of the strength of the material{breaks}",
+        )
+    figure.text(0.05, 0.04, "\n".join(lines), fontsize=8, color=WARNING if own.used > 1.0 else INK, linespacing=1.6)
     return figure
 
 

@@ -45,6 +45,13 @@ def things(path):
     return found, file
 
 
+def test_panels_that_would_break_give_an_exit_code(solved, tmp_path, capsys):
+    given = ["mould", str(solved), "-o", str(tmp_path / "moulds.csv"), "--size", "2.5", "--material", "glass", "--no-page"]
+    assert main([*given, "--thickness", "0.1"]) == 0 and "NOT BUILDABLE" not in capsys.readouterr().out
+    assert main([*given, "--thickness", "100"]) == 3 and "NOT BUILDABLE like this: " in capsys.readouterr().out
+    assert (tmp_path / "moulds.csv").exists()
+
+
 def test_moulds_panels_and_labels_on_layers(solved, result, tmp_path, capsys):
     output, figures = tmp_path / "moulds.3dm", tmp_path / "moulds.json"
     given = ["mould", str(solved), "-o", str(output), "--size", "2.5", "--material", "gfrp", "--thickness", "8", "--report", str(figures)]

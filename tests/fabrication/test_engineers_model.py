@@ -13,8 +13,13 @@ import pytest
 from compas_cgc import CGCError
 from compas_cgc import CGCProblem
 from compas_cgc import FileError
+from compas_cgc import get
+from compas_cgc import read
+from compas_cgc import solve
 from compas_cgc.discrete import face_areas
 from compas_cgc.discrete import face_normals
+from compas_cgc.discrete.topology import boundary_mask
+from compas_cgc.discrete.topology import within_rings
 from compas_cgc.fabrication import membrane
 from compas_cgc.io.frd import read_frd
 from compas_cgc.io.frd import with_results
@@ -70,8 +75,8 @@ def test_load_cases_have_the_loads_of_their_definition():
 @pytest.mark.parametrize(("supports", "noted"), [("boundary", True), (CORNERS, False)])
 def test_a_held_rim_is_stated_to_be_indeterminate(supports, noted):
     state = state_of(supports=supports, weight=0.0)
-    assert ("statically indeterminate" in inp_text(state)) is noted
-    assert any("statically indeterminate" in remark for remark in state.remarks) is noted
+    assert ("edges are held in all directions" in inp_text(state)) is noted
+    assert any("edges are held in all directions" in remark for remark in state.remarks) is noted
     assert ("TYPE=B31" in inp_text(state)) is not noted
 
 
@@ -107,6 +112,29 @@ def test_calculix_carries_every_load_case_to_the_supports(tmp_path, K, supports)
     assert "load case 1 in roof.frd" in revised.remarks[-1]
     with pytest.raises(FileError, match="load cases 1 to 4, not 5"):
         with_results(state, tmp_path / "roof.frd", 0.01, 5)
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_the_forces_of_calculix_depend_on_the_stiffness_of_beams_as_stated(tmp_path):
+    state = membrane(solve(read(get("canopy.3dm"))).problem, -1.5)
+    F = state.problem.faces
+    inner = ~within_rings(F, boundary_mask(len(state.problem.vertices), F), 3)[F].any(axis=1)
+    off = []
+    for beam in (200.0, 1000.0, 5000.0):
+        run_ccx(tmp_path, inp_text(state, Model(beam=beam)))
+        found = with_results(state, tmp_path / "roof.frd", 0.01).forces
+        off.append(np.median(np.abs(found - state.forces)[inner] / np.abs(state.forces[inner]).max(axis=1)[:, None]))
+    assert off[0] > 0.5 and off[0] > 5.0 * off[1] > 25.0 * off[2] and off[2] < 0.02
+
+
+def test_beams_are_stated_to_be_indeterminate():
+    state = state_of(supports=CORNERS, weight=0.0)
+    text = " ".join(line.lstrip("* ") for line in inp_text(state, Model(beam=150.0)).splitlines() if line.startswith("**"))
+    most = np.linalg.norm(state.edge_loads.load[state.edge_loads.kind > 0], axis=1).max()
+    assert "squares of 150 mm along creases and free edges, are elastic" in text and f"up to {most:.4g};" in text
+    assert any("statically indeterminate with elastic beams" in remark for remark in state.remarks)
+    held = state_of(weight=0.0)
+    assert "are elastic" not in inp_text(held) and not any("elastic beams" in remark for remark in held.remarks)
 
 
 def frd_of(stress, fields=("DISP", "STRESS")):

@@ -56,6 +56,39 @@ def test_the_table_has_one_row_per_panel_in_millimetres(report):
         assert max(length for _, _, length in own.diagonals) == pytest.approx(longest, rel=1e-3)
 
 
+def test_the_table_explains_its_columns_and_compares_stress_with_strength(report):
+    problem, made = report
+    rows = list(csv.DictReader(io.StringIO(schedule_text(panel_sheets(problem, made)))))
+    notes = " ".join(row["notes"] for row in rows)
+    for word in ("rise: ", "diagonals: ", "sides: ", "mould radius: ", "bending stress: ", "lengths in mm"):
+        assert word in notes
+    for row, fit in zip(rows, made.panels):
+        areas, order = face_areas(fit.vertices, fit.faces), np.argsort(fit.stresses)
+        within = areas[order].cumsum() <= 0.95 * areas.sum()
+        used = 1e6 * fit.stresses[order][within.sum()] / made.material.strength
+        assert float(row["part of strength in %"]) == pytest.approx(100.0 * used, abs=0.6)
+
+
+def test_panels_that_would_break_come_first_with_remedies_that_hold(report):
+    problem, made = report
+    stress = max(fit.stress_95 for fit in made.panels)
+    # So thin that all panels hold, and so thick that the worst breaks by a tenth.
+    thin, thick = (made.thickness * part * 1e-6 * made.material.strength / stress for part in (0.95, 1.1))
+    again = [moulds(problem, [fit.panel for fit in made.panels], thickness=thickness) for thickness in (thin, thick)]
+    assert not again[0].overstressed and "NOT BUILDABLE" not in str(again[0]) and again[0].to_dict()["overstressed"] == []
+    broken = again[1]
+    names = [fit.panel.name for fit in broken.overstressed]
+    assert names and broken.to_dict()["overstressed"] == names
+    first = str(broken).splitlines()[0]
+    assert first.startswith(f"NOT BUILDABLE like this: {len(names)} of") and "110 % of it" in first and all(name in first for name in names)
+    sheets = panel_sheets(problem, broken)
+    assert [own.fit.panel.name for own in sheets if own.used > 1.0] == names
+    stronger = [name for name in ("steel", "gfrp", "timber") if f" {name}" in first.split("use sheets")[1]]
+    assert stronger
+    for name in stronger:
+        assert not moulds(problem, [fit.panel for fit in made.panels], thickness=thick, material=name).overstressed
+
+
 def test_the_pdf_has_a_page_per_panel_and_is_the_same_again(report, tmp_path):
     sheets = panel_sheets(*report)[:3]
     first, again = (save_panel_sheets(sheets, tmp_path / name, "facade:").read_bytes() for name in ("a.pdf", "b.pdf"))
