@@ -70,7 +70,7 @@ def dxf_text(drawing: Drawing) -> str:
     # Colour 7 contrasts with the screen background, light or dark.
     paints = {name: {"color": 7} if max(colour) < DARK_LEVEL else {"true_color": colors.rgb2int(colour)} for name, colour in LAYERS.items()}
     for name in dict.fromkeys([*(line.layer for line in drawing.lines), *(text.layer for text in drawing.texts)]):
-        document.layers.add(name, **paints[name])
+        document.layers.add(name).dxf.update(paints[name])
     space = document.modelspace()
     for line in drawing.lines:
         space.add_lwpolyline(line.points.tolist(), close=line.closed, dxfattribs={"layer": line.layer})

@@ -34,7 +34,7 @@ def with_legend(drawing: Drawing, meanings: Mapping[str, str], notes: Sequence[s
     width
         Width of the legend [L]. 0: that of the drawing.
     """
-    used = {each.layer for each in (*drawing.lines, *drawing.texts)}
+    used = {line.layer for line in drawing.lines} | {text.layer for text in drawing.texts}
     entries = [("LEGEND", note) for note in notes]
     entries += [(layer, f"{layer}: {meaning}") for layer, meaning in meanings.items() if layer in used]
     length = max(MIN_LINE, int((width or drawing.size[0]) / (LETTER_WIDTH * height)))

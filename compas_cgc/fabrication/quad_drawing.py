@@ -39,10 +39,21 @@ def flat_face(quads: PlaneQuads, face: int) -> FloatArray:
 
 
 def flat_beam(quads: PlaneQuads, beam: int) -> FloatArray:
-    """Return the corners (4, 2) of a beam in its mean plane: the side along the faces along x, then the side at its depth [mm]."""
+    """Return the corners (4, 2) of a beam laid flat: the side along the faces along x, then the side at its depth [mm].
+
+    A twisted beam is unfolded along its diagonal, so that all sides keep their lengths.
+    """
     ends = quads.edges[beam]
     far = quads.vertices[ends] + quads.depth * quads.axes[ends]
-    return _flat(1e3 * metres_per_unit(quads.problem.drawing.units) * np.vstack([quads.vertices[ends], far[::-1]]))
+    a, b, c, d = 1e3 * metres_per_unit(quads.problem.drawing.units) * np.vstack([quads.vertices[ends], far[::-1]])
+    length, diagonal = float(np.linalg.norm(b - a)), float(np.linalg.norm(c - a))
+    along = (c - a) @ (b - a) / length
+    third = np.array([along, math.sqrt(max(diagonal**2 - along**2, 0.0))])
+    towards = third / diagonal
+    along = (d - a) @ (c - a) / diagonal
+    fourth = along * towards + math.sqrt(max(float((d - a) @ (d - a)) - along**2, 0.0)) * np.array([-towards[1], towards[0]])
+    flat = np.array([[0.0, 0.0], [length, 0.0], third, fourth])
+    return flat - flat.min(axis=0)
 
 
 def _flat(points: FloatArray) -> FloatArray:

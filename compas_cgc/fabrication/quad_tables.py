@@ -42,9 +42,9 @@ def beam_text(quads: PlaneQuads) -> str:
     lengths = mm * np.linalg.norm(quads.vertices[quads.edges[:, 0]] - quads.vertices[quads.edges[:, 1]], axis=1)
     rows = []
     for number, ((a, b), length, twist, angle) in enumerate(zip(quads.edges.tolist(), lengths, quads.twist, _angles(quads))):
-        places = [f"{value:.1f}" for value in np.round(mm * quads.vertices[[a, b]], 1).ravel() + 0.0]
+        ends = [f"{value:.1f}" for value in np.round(mm * quads.vertices[[a, b]], 1).ravel() + 0.0]
         folded = "" if np.isnan(angle) else f"{np.degrees(angle):.2f}"
-        rows.append((f"B{number}", a, b, f"{length:.1f}", f"{mm * quads.depth:.1f}", f"{mm * twist:.3f}", folded, *places))
+        rows.append((f"B{number}", a, b, f"{length:.1f}", f"{mm * quads.depth:.1f}", f"{mm * twist:.3f}", folded, *ends))
     places = tuple(f"{end} {axis} in mm" for end in ("from", "to") for axis in "xyz")
     head = ("beam", "from node", "to node", "length in mm", "depth in mm", "twist in mm", "angle between faces in degrees", *places)
     return csv_text(head, rows, quad_notes(quads))

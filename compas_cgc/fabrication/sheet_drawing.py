@@ -105,8 +105,8 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             corners = np.array([[0, 0], [x, 0], [x, y], [0, y]], dtype=np.float64)
             lines.append(Line("SHEET", corners + origin, True))
             title = _title(patterns, number)
-            size = min(2.0 * height, x / (LETTER_WIDTH * len(title)))
-            texts.append(Text("SHEET", title, origin + [0.5 * x, y + 2.0 * height], size))
+            tall = min(2.0 * height, x / (LETTER_WIDTH * len(title)))
+            texts.append(Text("SHEET", title, origin + [0.5 * x, y + 2.0 * height], tall))
     names, is_fold = patterns.patchwork.names, folded(patterns, fold)
     ticked: list[set[int]] = [set() for _ in patterns.pieces]
     for seam in patterns.seams:

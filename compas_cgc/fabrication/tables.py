@@ -31,7 +31,8 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]], notes: Seque
         for k, line in enumerate(lines):
             # The last row takes the notes for which there are no rows.
             line.append(" ".join(notes[k:]) if k == len(lines) - 1 else notes[k] if k < len(notes) else "")
-    writer.writerows([escaped(value) for value in line] for line in [[*head, *(["notes"] if notes else [])], *lines])
+    writer.writerow([escaped(name) for name in (*head, *(["notes"] if notes else []))])
+    writer.writerows([escaped(value) for value in line] for line in lines)
     return text.getvalue()
 
 

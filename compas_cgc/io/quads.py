@@ -80,7 +80,8 @@ def _write_dxf(path: str, quads: PlaneQuads) -> None:
         space.add_polyline3d((mm * points).tolist(), close=True, dxfattribs={"layer": "FACES"})
         number(f"F{k}", points.mean(axis=0), height, "FACE_NUMBERS")
     for k, ends in enumerate(quads.vertices[quads.edges]):
-        space.add_line(*(mm * ends).tolist(), dxfattribs={"layer": "BEAMS"})
+        start, end = (mm * ends).tolist()
+        space.add_line(start, end, dxfattribs={"layer": "BEAMS"})
         number(f"B{k}", ends.mean(axis=0), 0.6 * height, "BEAM_NUMBERS")
     for k, place in enumerate(quads.vertices):
         number(str(k), place, 0.5 * height, "NODE_NUMBERS")

@@ -101,7 +101,7 @@ def test_panels_along_curves_of_a_layer(solved, result, tmp_path):
     file.Objects.AddPolyline([rhino3dm.Point3d(*point) for point in row.tolist()], attributes)
     file.Write(str(solved), 7)
     output = tmp_path / "moulds.3dm"
-    assert main(["mould", str(solved), "-o", str(output), "--curves", "Joints", "--no-page", "-q"]) == 0
+    assert main(["mould", str(solved), "-o", str(output), "--curves", "Joints", "--material", "gfrp", "--no-page", "-q"]) == 0
     assert len(things(output)[0]["CGC Moulds::Panels in place"]) == 12
     assert not (tmp_path / "moulds.pdf").exists()
 

@@ -287,7 +287,7 @@ def test_panels_flattened_are_strained_by_the_rule_for_their_own_width():
         used, faces = np.unique(fit.faces, return_inverse=True)
         strain = flatten(fit.vertices[used], faces.reshape(-1, 3)).largest
         assert fit.width == pytest.approx(widest_panel(0.01, strain), rel=0.1)
-    assert f"{widest:.2g} at most) need strains of" in str(report)
+    assert f"{1e3 * widest:.0f} mm at most) need strains of" in str(report)
 
 
 def test_cut_panels_are_congruent_to_their_parts_of_the_mould(roof):

@@ -214,7 +214,18 @@ def test_the_command_writes_faces_and_beams(tmp_path):
     for row in beams:
         ends = np.array([[float(row[f"{end} {axis} in mm"]) for axis in "xyz"] for end in ("from", "to")])
         assert ends == pytest.approx(vertices[[int(row["from node"]), int(row["to node"])]], abs=0.06)
-        assert not row["angle between faces in degrees"] or float(row["angle between faces in degrees"]) > 0.0  # a dome
+    normals = {}
+    for face in data["faces"]:
+        normal = np.cross(vertices[face], np.roll(vertices[face], -1, axis=0)).sum(axis=0)
+        normals.update({side: normal / np.linalg.norm(normal) for side in zip(face, face[1:] + face[:1])})
+    signed = []
+    for row in beams:
+        a, b = int(row["from node"]), int(row["to node"])
+        assert (row["angle between faces in degrees"] == "") == ((a, b) not in normals or (b, a) not in normals)
+        if row["angle between faces in degrees"]:
+            signed.append(float(row["angle between faces in degrees"]))
+            assert abs(signed[-1]) == pytest.approx(np.degrees(np.arccos(np.clip(normals[a, b] @ normals[b, a], -1.0, 1.0))), abs=0.02)
+    assert min(angle for angle in signed if abs(angle) > 1.0) > 0.0  # a dome is convex
     document = filemanagement.readfile(tmp_path / "q.dxf")
     layers = [each.dxf.layer for each in document.modelspace()]
     assert layers.count("FACES") == layers.count("FACE_NUMBERS") == len(faces)

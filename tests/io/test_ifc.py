@@ -57,5 +57,5 @@ def test_every_panel_is_a_plate_with_its_data(sample, size, tmp_path):
 def test_the_command_writes_ifc(tmp_path):
     solved, path = tmp_path / "solved.3dm", tmp_path / "roof.ifc"
     assert main(["solve", compas_cgc.get("cushion.3dm"), "-o", str(solved), "--measure", "exact", "-q"]) == 0
-    assert main(["mould", str(solved), "-o", str(path), "--size", "2", "--no-page", "-q"]) == 0
+    assert main(["mould", str(solved), "-o", str(path), "--size", "2", "--thickness", "0.5", "--no-page", "-q"]) == 0
     assert ifcopenshell.open(str(path)).by_type("IfcPlate")

@@ -58,7 +58,7 @@ def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
 def test_the_command_writes_step_and_the_same_surface_gives_the_same_bytes(tmp_path):
     solved = tmp_path / "solved.3dm"
     assert main(["solve", compas_cgc.get("vault.3dm"), "-o", str(solved), "-q"]) == 0
-    assert main(["mould", str(solved), "-o", str(tmp_path / "one.step"), "--size", "4", "--no-page", "-q"]) == 0
+    assert main(["mould", str(solved), "-o", str(tmp_path / "one.step"), "--size", "4", "--material", "gfrp", "--no-page", "-q"]) == 0
     problem = read_problem(solved, result=True).checked()
     write_mould_files(tmp_path / "other.step", problem, moulds(problem, panels(problem, 4.0)))
     assert (tmp_path / "one.step").read_bytes() == (tmp_path / "other.step").read_bytes()

@@ -86,7 +86,7 @@ def test_one_component_installs_the_package_from_the_source_of_the_office(tmp_pa
     assert main(["grasshopper", "build", "-o", str(out), *(["--package", given] if given else [])]) == 0
     users = {path.stem: directives(read_archive(path))[0] for path in (out / "components").glob("*.ghuser")}
     assert users.pop("CGC_Install") == ["# venv: compas_cgc", f"# r: {requirement}"]
-    assert len(users) == 21 and all(own == ["# venv: compas_cgc"] for own in users.values())
+    assert len(users) == 22 and all(own == ["# venv: compas_cgc"] for own in users.values())
     for path in (out / "definitions").glob("*.gh"):
         found = directives(read_archive(path))
         if not path.stem.startswith("hops"):
