@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
 
 from compas_cgc.errors import CGCError
@@ -52,6 +53,29 @@ def test_each_type_has_its_curvature(kind, K, size, ends):
     exact = kind in ("plane", "cylinder", "cone", "sphere")
     assert np.abs(curvatures(patch) - K).max() < (1e-12 if exact else 1e-4)
     assert (patch.degrees[0] == 5) != exact
+
+
+@pytest.mark.parametrize(("kind", "K", "size", "ends"), PARTS, ids=[part[0] for part in PARTS])
+def test_meridians_are_within_a_micrometre_of_the_solution_of_their_equation(kind, K, size, ends):
+    own = revolution(kind, K, size)
+
+    def rates(s, y):
+        return [y[1], -K * y[0], np.sqrt(max(1.0 - y[1] ** 2, 0.0))]
+
+    start = [own.radii(np.array(ends[:1]))[0], own.slopes(np.array(ends[:1]))[0], 0.0]
+    exact = solve_ivp(rates, ends, start, rtol=1e-12, atol=1e-13, dense_output=True).sol
+    patch = own.patch(ends, (-1.0, 2.0), 1e-6)
+    u = np.linspace(patch.knots[0][0], patch.knots[0][-1], 301)
+    points = patch.at(u, np.array([0.0, 1.0]))
+    r, z = np.hypot(points[..., 0], points[..., 1]), points[..., 2]
+    # The parameters of exact conics are not arc lengths, so the nearest points are sought by Newton's method.
+    s = np.repeat(np.linspace(*ends, 301)[:, None], 2, axis=1)
+    for _ in range(20):
+        y = exact(s.ravel()).reshape(3, *s.shape)
+        rise = np.sqrt(np.maximum(1.0 - y[1] ** 2, 0.0))
+        s = np.clip(s + (r - y[0]) * y[1] + (z - y[2]) * rise, *ends)
+    y = exact(s.ravel()).reshape(3, *s.shape)
+    assert np.hypot(r - y[0], z - y[2]).max() <= 1e-6, "metres"
 
 
 def test_pseudosphere_agrees_with_its_closed_form():
