@@ -6,7 +6,7 @@ import { capital } from '../words.js';
 import { drawnOf } from './drawn.js';
 import { drawSheets } from './sheets.js';
 
-const NAMES = { mould: 'Moulds', unroll: 'Unroll', membrane: 'Forces', net: 'Net', drawings: 'Drawings' };
+const NAMES = { mould: 'Moulds', unroll: 'Unroll', membrane: 'Forces', net: 'Net', drawings: 'Plans' };
 const LEFT = ['rough', 'regions', 'seams', 'through', 'nodes', 'along']; // options for scripts
 const DEFAULTS = { pressure: 1 }; // forces require a load
 const SUFFIXES = { arrays: 'json' };
