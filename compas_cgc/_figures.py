@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from threading import Lock
 from types import ModuleType
@@ -92,9 +93,10 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     """
     path = Path(path)
     kind = _kind_of(path)
-    with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
-        figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
-    return path
+    drawn = BytesIO()
+    with _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
+        figure.savefig(drawn, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
+    return _written(drawn, path)
 
 
 def save_pages(figures: Iterable[Figure], path: Union[str, os.PathLike]) -> Path:
@@ -109,10 +111,18 @@ def save_pages(figures: Iterable[Figure], path: Union[str, os.PathLike]) -> Path
     if path.suffix.lower() != ".pdf":
         raise FileError(f"drawings with several pages need the suffix .pdf, not that of {path.name!r}")
     pages = matplotlib_module("backends.backend_pdf")
-    with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
-        with pages.PdfPages(beside, metadata=FORMATS[".pdf"]) as written:
+    drawn = BytesIO()
+    with _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
+        with pages.PdfPages(drawn, metadata=FORMATS[".pdf"]) as written:
             for figure in figures:
                 written.savefig(figure, facecolor="white")
+    return _written(drawn, path)
+
+
+def _written(drawn: BytesIO, path: Path) -> Path:
+    # Writers of pictures hide the error of a full disk behind others of their own.
+    with replacing(path) as beside:
+        beside.write_bytes(drawn.getvalue())
     return path
 
 

@@ -83,9 +83,14 @@ class Rationalised:
         return self.panelling.panels
 
     @property
+    def farthest(self) -> float:
+        """Upper bound of the distance from the design as given [L]: from the surface fitted to a mesh, plus how far that is from it."""
+        return self.distance.largest + self.design.deviation
+
+    @property
     def kept(self) -> bool:
-        """Whether the surface has converged and lies within the distance that was to be kept, if one was."""
-        return self.result.converged and (self.within is None or self.distance.largest <= self.within)
+        """Whether the surface has converged and certainly lies within the distance that was to be kept, if one was."""
+        return self.result.converged and (self.within is None or self.farthest <= self.within)
 
     @property
     def status(self) -> str:

@@ -95,7 +95,7 @@ def rationalise(
         ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K, for few regions; ``"faces"`` between the faces of a
         quad mesh; or points (k, 3) along curves on the design. Default: those drawn in the file, else the grid.
     within
-        Largest distance from the design that is allowed [L].
+        Largest distance from the design that is allowed [L]; what the surface fitted to a mesh deviates counts in full.
     flat
         Whether one of the moulds is flat, K = 0. Default: whichever is nearer to the design.
     supports
@@ -145,7 +145,8 @@ def rationalise(
     fixed = _fixed(read, panelling, supports)
     moves = NormalMoves(panelling, fixed)
     stop = _Stop(callback)
-    best = _assigned(moves, moulds, flat, within, locked, stop)
+    left = None if within is None else within - read.deviation
+    best = _assigned(moves, moulds, flat, left, locked, stop)
     tried = MAX_MOULDS if moulds is None else len(best.assigned.values)
     return _result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels))
 
@@ -281,10 +282,14 @@ def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mas
 
 def _suggestion(found: Rationalised, within: float, tried: int) -> str:
     """Return what to change so that a distance is kept: distances go about as the width of panels squared, and as one over moulds."""
-    ratio = found.distance.largest / within
+    fitted = found.design.deviation
+    of_fit = f", {fitted:.2g} of it by the surface fitted to the mesh," if fitted > 0.0 else ""
+    if fitted >= within:
+        return f"the surface fitted to the mesh is up to {fitted:.2g} from it, more than {within:.3g}; try tolerance={within / 10.0:.2g}"
+    ratio = found.distance.largest / (within - fitted)
     moulds = max(int(np.ceil(len(found.curvatures) * ratio)), tried + 1)
     return (
-        f"the distance of {found.distance.largest:.3g} exceeds {within:.3g}, the best found for up to {tried} moulds; "
+        f"the distance of up to {found.farthest:.3g}{of_fit} exceeds {within:.3g}, the best found for up to {tried} moulds; "
         f"try {moulds} moulds, or panels narrower by a factor of {np.ceil(20.0 * np.sqrt(ratio)) / 20.0:.3g}"
     )
 

@@ -359,11 +359,11 @@ class TestSaving:
         path = tmp_path / "a.png"
         path.write_text("an older picture")
 
-        def full_disk(part, **_):
+        def full_disk(part, content):
             part.write_text("half a picture")
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr(figure, "savefig", full_disk)
+        monkeypatch.setattr(type(path), "write_bytes", full_disk)
         with pytest.raises(FileError, match="No space left"):
             plot.save(figure, path)
         assert path.read_text() == "an older picture"

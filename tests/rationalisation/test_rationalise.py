@@ -17,6 +17,7 @@ from compas_cgc.rationalisation.normal_moves import NormalMoves
 from compas_cgc.rationalisation.panelling import vertex_panels
 from compas_cgc.rationalisation.seams import panels_of
 
+from ..support.freeform import bumpy
 from ..support.freeform import mesh_over
 from ..support.freeform import quarter_torus
 
@@ -138,6 +139,18 @@ def test_a_promise_is_kept_or_refused_with_a_suggestion():
     broken = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=2, within=0.001)
     assert broken.status == "exceeded" and broken.distance.largest > 0.001
     assert "try" in broken.suggestion and "moulds" in broken.suggestion
+
+
+def test_what_the_fit_of_a_mesh_deviates_counts_in_a_promise():
+    mesh, options = mesh_over(bumpy("soft", 1), edge=1.0), {"panel": 5.0, "moulds": 4, "tolerance": 0.02}
+    free = compas_cgc.rationalise(mesh, **options)
+    assert 1e-3 < free.design.deviation <= 0.02
+    missed, kept = (
+        compas_cgc.rationalise(mesh, within=free.distance.largest + part * free.design.deviation, **options).status for part in (0.5, 1.01)
+    )
+    assert (missed, kept) == ("exceeded", "kept")
+    close = compas_cgc.rationalise(mesh, within=0.5 * free.design.deviation, **options)
+    assert close.status == "exceeded" and "try tolerance=" in close.suggestion
 
 
 def test_existing_moulds_are_used_as_they_are_and_locked_panels_stay():

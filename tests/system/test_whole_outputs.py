@@ -20,6 +20,9 @@ from compas_cgc._atomic_write import published_together
 from compas_cgc._atomic_write import recover
 from compas_cgc._atomic_write import replacing
 from compas_cgc._atomic_write import write_text
+from compas_cgc._figures import new_figure
+from compas_cgc._figures import save
+from compas_cgc._figures import save_pages
 from compas_cgc.cli import main
 from compas_cgc.cli.exits import DONE
 from compas_cgc.cli.exits import INCOMPLETE
@@ -171,6 +174,16 @@ def test_a_disk_too_full_for_a_folder_is_one_sentence_with_the_remedy(plan, monk
     monkeypatch.setattr("compas_cgc.cli.check.run", check)
     assert main(["check", str(plan)]) == REFUSED
     assert "out/best cannot be written (No space left on device); free space on the disk" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is full")
+@pytest.mark.parametrize("suffix", ["pdf", "svg", "png"])
+def test_pictures_on_a_full_disk_are_one_sentence(tmp_path, suffix):
+    path = tmp_path / f"page.{suffix}"
+    path.symlink_to("/dev/full")
+    figure = new_figure(1.0, 1.0)
+    with pytest.raises(FileError, match="cannot be written .No space left on device.; free space on the disk"):
+        save_pages([figure], path) if suffix == "pdf" else save(figure, path)
 
 
 def test_links_are_followed_and_devices_are_written_to(tmp_path):
