@@ -22,6 +22,7 @@ REGULARISATION = 1e-8  # of multipliers that equations hardly determine, against
 ABOVE, FORGET = 1.5, 0.7  # weight of the residuals in the merit, against the largest multiplier; what remains of an earlier one
 DECREASE = 1e-2  # part of the predicted decrease of the merit that a step must bring
 SHORTEST = 1e-3  # part of a step below which it is given up
+CORRECTIONS = 3  # of second order, of every length that is tried
 ROUNDING = 1e-12  # change of the merit, against the energy, that is rounding
 EXACT, HALVINGS = 1.0, 4  # share of the second derivatives that are not convex, and how often it is halved before they are left out
 SHIFT, GROW, MOST = 1e-4, 10.0, 1e4  # first shift of the second derivatives, its factor, and its limit
@@ -51,7 +52,7 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
 
     with the second derivatives W of the Lagrangian, of which the part that is not convex is scaled down until the matrix has as
     many negative eigenvalues as equations: then dx is a minimum. D is small and keeps multipliers that equations do not determine where
-    they are. The merit ``E + σ |r|₁`` decreases in every step, if need be after a correction of second order.
+    they are. The merit ``E + σ |r|₁`` decreases in every step, if need be after corrections of second order.
 
     Parameters
     ----------
@@ -159,15 +160,15 @@ def _search(
     before, trials = here.merit(weight), 0
     allowed = ROUNDING * abs(here.energy)
     while length >= SHORTEST:
-        trials += 1
-        there = lagrangian.moved(here, length * step)
-        if there.merit(weight) <= before + DECREASE * length * slope + allowed:
-            return there, length, trials
-        if trials == 1:
-            right = np.concatenate([np.zeros(lagrangian.size), (1.0 - length) * here.residuals - there.residuals])
-            corrected = lagrangian.moved(here, length * step + saddle.solve(right)[: lagrangian.size])
+        move, there = length * step, lagrangian.moved(here, length * step)
+        for correction in range(CORRECTIONS + 1):
             trials += 1
-            if corrected.merit(weight) <= before + DECREASE * length * slope + allowed:
-                return corrected, length, trials
+            if there.merit(weight) <= before + DECREASE * length * slope + allowed:
+                return there, length, trials
+            if correction < CORRECTIONS:
+                # A long step along a valley of the energy leaves the equations, so that without corrections steps would be short.
+                right = np.concatenate([np.zeros(lagrangian.size), (1.0 - length) * here.residuals - there.residuals])
+                move = move + saddle.solve(right)[: lagrangian.size]
+                there = lagrangian.moved(here, move)
         length /= 2
     return None
