@@ -140,6 +140,22 @@ class Lagrangian:
         other.kept[:n] = 2.0 / 3.0 * np.bincount(self.mesh.faces.ravel(), np.repeat(areas, 3), n) / waves**4
         return other
 
+    def evener(self, evenness: float) -> Lagrangian:
+        """Return the same with an energy of the second derivatives of the curvature, times the fourth power of a length.
+
+        Least bending alone has branch points where K̄ < 0 (Gemmer et al., doi:10.1209/0295-5075/114/24003). This energy is infinite there.
+
+        Parameters
+        ----------
+        evenness
+            The length, against the square root of the area.
+        """
+        other, areas = copy.copy(self), self.mesh.at(self.drawing, np.zeros(len(self.mesh.angles.ends))).areas
+        other.pattern = copy.copy(self.pattern)
+        other.pattern.groups = list(self.pattern.groups)
+        other.uneven = other.pattern.unevenness(self, areas, evenness)
+        return other
+
     def on(self, drawing: FloatArray) -> Lagrangian:
         """Return the energy of another drawing (n, 3) without supports, whose curvature is not prescribed."""
         nowhere = np.zeros(0, np.int64)
@@ -318,7 +334,7 @@ class _Pattern:
         self.below = np.arange(self.indptr[q], self.indptr[-1])
         self.across = mirrored.data[self.below]
 
-    def unevenness(self, lagrangian: Lagrangian, areas: FloatArray) -> sparse.csr_matrix:
+    def unevenness(self, lagrangian: Lagrangian, areas: FloatArray, evenness: float = 0.0) -> sparse.csr_matrix:
         """Return the quadratic form (m, m) of what values of faces differ from linear functions about every pair."""
         mesh, V = lagrangian.mesh, lagrangian.drawing
         m, centroids = len(mesh.faces), V[mesh.faces].mean(axis=1)
@@ -329,6 +345,8 @@ class _Pattern:
             if k < LEAST_FACES:
                 continue
             even = linear_residuals(group.faces, areas, centroids, normals)
+            share = areas[group.faces].sum(axis=1) / areas.sum()
+            even *= np.sqrt(1.0 + evenness**4 / share**2)[:, None, None]
             self.groups[at] = group._replace(even=even)
             square = even.transpose(0, 2, 1) @ even
             rows, columns = np.repeat(group.faces, k, axis=1).ravel(), np.tile(group.faces, (1, k)).ravel()

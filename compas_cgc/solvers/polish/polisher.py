@@ -190,6 +190,8 @@ def posed_as_set(problem: CGCProblem, settings: PolishSettings) -> Posed:
         lagrangian = lagrangian.keeping(WAVES * size)
     else:
         lagrangian = over_its_plate(lagrangian)
+    if settings.evenness > 0.0:
+        lagrangian = lagrangian.evener(settings.evenness)
     return Posed(lagrangian, local, frame, size)
 
 

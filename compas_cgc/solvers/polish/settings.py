@@ -33,6 +33,13 @@ class PolishSettings(Settings):
         float,
         above=0,
     )
+    evenness: float = option(
+        0.0,
+        "Length over which the curvature varies evenly, relative to the square root of the area. 0: the surface bends as little as "
+        "it can, which leads to branch points over five supports and more with K < 0. About 0.5: to a surface without them.",
+        float,
+        low=0,
+    )
     keep: str = option(
         "auto",
         "Part of the drawing that the surface keeps. plan: the plan, heights follow from least bending. shape: the drawn shape, "

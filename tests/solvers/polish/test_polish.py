@@ -9,6 +9,7 @@ from scipy.spatial import Delaunay
 from compas_cgc import CGCMesh
 from compas_cgc import sensitivity
 from compas_cgc import solve
+from compas_cgc.discrete.measured_curvature import measured_curvature
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.polisher import polish
 from compas_cgc.solvers.polish.posed import posed
@@ -58,9 +59,10 @@ def _order(problems, **settings):
     return np.log2((heights[1] - heights[0]) / (heights[2] - heights[1])), heights
 
 
-def test_derivatives_are_exact():
+@pytest.mark.parametrize("evenness", [0.0, 0.5])
+def test_derivatives_are_exact(evenness):
     local = _on_corners(6, 1.0, lines=(1 / 3, 2 / 3), jitter=0.3).local()[0]
-    lagrangian = posed(local, 0.1)
+    lagrangian = posed(local, 0.1).evener(evenness)
     state, rng = next(starts(lagrangian)), np.random.default_rng(0)
     multipliers, step = rng.standard_normal(len(lagrangian.rows)), rng.standard_normal(lagrangian.size)
     h = 1e-6
@@ -162,6 +164,29 @@ def test_derivatives_by_curvature_are_those_of_neighbouring_surfaces(K, lines):
     ahead, behind = (solve(result, targets=K + sign * h).vertices for sign in (1, -1))
     difference = (ahead - behind) / (2 * h)
     assert np.abs(found.moves.sum(axis=0) - difference).max() < 1e-4 * np.abs(difference).max()
+
+
+def _on_five_points(seed: int):
+    """Return an irregular square with K = -1 over five points of its rim at random heights."""
+    V, F, _ = _square(12, 0.3)
+    rim = np.flatnonzero(np.abs(V[:, :2] - 0.5).max(axis=1) > 0.499)
+    turns = 2 * np.pi * np.arange(5) / 5
+    places = np.column_stack([np.cos(turns), np.sin(turns)])
+    places = 0.5 + 0.5 * places / np.abs(places).max(axis=1)[:, None]
+    at = rim[np.linalg.norm(V[rim, None, :2] - places, axis=2).argmin(axis=0)]
+    V[at, 2] = np.random.default_rng(seed).uniform(0, 0.3, 5)
+    return CGCProblem(V, F).with_supports(at.tolist()).with_targets(-1.0)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4])
+def test_even_curvature_has_no_branch_points_where_least_bending_has_some(seed):
+    problem = _on_five_points(seed)
+    least, even = polish(problem), solve(problem)
+    assert least.status == "converged" and "branch point" in str(least.verdict)
+    assert even.converged and even.verdict.fair and "varies evenly" in even.message
+    none = np.zeros(len(problem.faces), np.int64)
+    bending = [measured_curvature(own.vertices, problem.faces, problem.creases, none).bending.sum() for own in (least, even)]
+    assert bending[0] < bending[1]
 
 
 def test_a_slider_follows_its_branch_and_ends_where_a_cold_solve_does():
