@@ -18,7 +18,8 @@ __all__ = ["Saddle"]
 
 FACTORS = 25.0  # right sides that factors take as long as
 PANEL = 4  # columns that SuperLU works on together
-PRECISE, REFINEMENTS = 1e-10, 3  # relative residual of solutions, and rounds of refinement towards it
+PRECISE, REFINEMENTS = 1e-12, 3  # relative residual of solutions, and rounds of refinement towards it
+GAIN = 0.5  # of the residual before, above which a round brings nothing more
 
 
 class Saddle:
@@ -59,13 +60,13 @@ class Saddle:
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for a right side (s,)."""
-        x = self._applied(right)
-        scale = float(np.abs(right).max(initial=0.0))
+        x, scale, before = self._applied(right), float(np.abs(right).max(initial=0.0)), np.inf
         for _ in range(REFINEMENTS):
             residual = right - self._matrix @ x
-            if not float(np.abs(residual).max(initial=0.0)) > PRECISE * scale:
+            left = float(np.abs(residual).max(initial=0.0))
+            if not PRECISE * scale < left < GAIN * before:
                 break
-            x = x + self._applied(residual)
+            x, before = x + self._applied(residual), left
         return x
 
     def _applied(self, right: FloatArray) -> FloatArray:
