@@ -146,7 +146,7 @@ CHOICES = [
     (dome, None, ["newton", "newton", "bending", "projection"]),
     (vault, None, ["bending", "projection"]),
     (lambda: dome(0.0), None, ["projection", "bending"]),
-    (negative, None, ["bending", "projection"]),
+    (negative, None, ["bending", "bending", "bending", "projection"]),
     (strategic, None, ["flow", "bending"]),
     (vault, FlowSettings(), ["flow"]),
     (vault, NewtonSettings(), ["newton"]),
