@@ -60,7 +60,6 @@ def write_views(path: Union[str, os.PathLike], drawn: ViewSheet) -> None:
 
 def _write_dxf(path: str, drawn: ViewSheet) -> None:
     document = new_document(drawn.units)
-    from ezdxf import colors
     from ezdxf.enums import TextEntityAlignment
 
     size = drawn.scale / (1000.0 * metres(drawn.units))  # of a millimetre of the sheet
@@ -75,7 +74,7 @@ def _write_dxf(path: str, drawn: ViewSheet) -> None:
         if max(style.colour) < DARK_LEVEL:
             layer.color = 7
         else:
-            layer.true_color = colors.rgb2int(style.colour)
+            layer.rgb = style.colour
     space = document.modelspace()
     for line in drawn.lines:
         space.add_lwpolyline((size * line.points).tolist(), close=line.closed, dxfattribs={"layer": line.layer})

@@ -131,6 +131,7 @@ def test_the_dxf_has_the_size_of_the_roof_and_the_pdf_that_of_the_sheet(tmp_path
     outline = next(own for own in document.modelspace().query("LWPOLYLINE[layer=='OUTLINE']"))
     assert np.ptp(np.array([point[:2] for point in outline.get_points()]), axis=0) == pytest.approx([WIDTH, DEPTH])
     assert document.modelspace().query("TEXT[layer=='CONTOUR']")
+    assert document.layers.get("SUPPORT").rgb == (200, 30, 30)
     pytest.importorskip("matplotlib")
     write_views(tmp_path / "roof.pdf", drawn)
     content = (tmp_path / "roof.pdf").read_bytes()

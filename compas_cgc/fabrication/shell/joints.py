@@ -106,7 +106,9 @@ class Joints:
         turn = np.einsum("ki,ki->k", self.axes[self.shared, 2], two.normals)
         gap_rates = self.lift[self.shared].multiply(turn[:, None]) - other.multiply(two.upright[:, None])
         kinks = np.einsum("ki,ki->k", self.tangents, np.cross(one.normals, two.normals))
-        kink_rates = _turned(one, np.cross(two.normals, self.tangents)) + _turned(two, np.cross(self.tangents, one.normals))
+        kink_rates = _turned(one, np.asarray(np.cross(two.normals, self.tangents), dtype=np.float64)) + _turned(
+            two, np.asarray(np.cross(self.tangents, one.normals), dtype=np.float64)
+        )
         return Joined(gaps, gap_rates.tocsr(), kinks, kink_rates.tocsr(), self.edges, curves)
 
     def smooth(self, kinks: FloatArray, most: float) -> Mask:

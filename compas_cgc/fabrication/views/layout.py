@@ -34,7 +34,9 @@ from .projections import section
 
 __all__ = ["SHEETS", "ViewSheet", "draw_views"]
 
-SHEETS = dict(zip(PAPERS, ((297.0, 210.0), (420.0, 297.0), (594.0, 420.0), (841.0, 594.0), (1189.0, 841.0))))  # [mm]
+SHEETS: dict[str, tuple[float, float]] = dict(
+    zip(PAPERS, ((297.0, 210.0), (420.0, 297.0), (594.0, 420.0), (841.0, 594.0), (1189.0, 841.0)))
+)  # [mm]
 DEFAULT_SHEET = "A3"
 SCALES = (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 1000, 2000, 2500, 5000, 10_000, 20_000, 50_000, 100_000)  # denominators
 MARGIN = 10.0  # of the frame [mm]

@@ -45,4 +45,4 @@ def level_lines(vertices: Vertices, faces: Faces, values: FloatArray, level: flo
     low, high = values[edges[:, 0]], values[edges[:, 1]]
     share = ((level - low) / (high - low))[:, None]
     points = (1.0 - share) * vertices[edges[:, 0]] + share * vertices[edges[:, 1]]
-    return [points[path] for path in crease_paths(number.reshape(-1, 2).tolist())]
+    return [points[path] for path in crease_paths((int(a), int(b)) for a, b in number.reshape(-1, 2))]
