@@ -248,8 +248,8 @@ def test_hops_requests_changed_at_random_never_make_the_server_fail(server, name
 
     run()
     good = request(name, MESHES["sheet"])
-    # A flat sheet has neither forces nor curves of another K.
-    assert check(server, encoded(good)) == {"fetch": 404, "membrane": 422, "net": 422}.get(name, 200)
+    # A flat sheet has neither forces nor curves of another K, nor lines of curvature.
+    assert check(server, encoded(good)) == {"fetch": 404, "membrane": 422, "net": 422, "quads": 422}.get(name, 200)
 
 
 @pytest.mark.parametrize("mesh", MESHES)
