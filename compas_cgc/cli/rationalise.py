@@ -45,6 +45,7 @@ examples:
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --moulds 4
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --within 30mm --report panels.json
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --radii 12 30 -25 inf
+  compas-cgc rationalise roof.3dm -o again.3dm --panel 2.5 --keep panels.json --locked 12 13
 """
 
 NAMED = ("grid", "curvature", "geodesics", "levels", "faces")  # seams that need no curves
@@ -73,6 +74,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     moulds.add_argument(
         "--radii", type=float, nargs="+", metavar="R", help="radii of existing moulds: spheres > 0, saddles < 0, inf for flat"
     )
+    moulds.add_argument("--keep", metavar="JSON", help="the report of an earlier run, whose moulds are kept")
+    parser.add_argument("--locked", type=int, nargs="+", metavar="N", help="panels of the report of --keep that keep their mould")
     parser.add_argument("--within", metavar="D", help="largest distance from the design, such as 0.03 or 30mm")
     parser.add_argument("--flat", action=argparse.BooleanOptionalAction, help="whether one mould is flat (default: whichever is nearer)")
     parser.add_argument("--supports", choices=("corners", "boundary", "none"), help="what is held (default: that of the file, or corners)")
@@ -103,7 +106,8 @@ def run(arguments: argparse.Namespace) -> int:
     for note in design.notes:
         echo(f"{arguments.input}: {note}")
     within = None if arguments.within is None else length(arguments.within, units, "--within")
-    moulds: Union[int, Sequence[float], None] = arguments.radii or arguments.moulds
+    radii, locked = _kept(arguments)
+    moulds: Union[int, Sequence[float], None] = radii or arguments.moulds
     if moulds is None and within is None:
         moulds = 4
     line = _Line(arguments.quiet)
@@ -123,6 +127,7 @@ def run(arguments: argparse.Namespace) -> int:
                 flat=arguments.flat,
                 supports=arguments.supports,
                 edges=arguments.edges,
+                locked=locked,
                 callback=watch,
             )
         finally:
@@ -152,6 +157,24 @@ def _seams(where: Optional[str]) -> SeamsInput:
     from ..io.rhino.designs import read_all_curves
 
     return [line.tolist() for line in read_all_curves(where)]
+
+
+def _kept(arguments: argparse.Namespace) -> tuple[Optional[list[float]], Optional[dict[int, int]]]:
+    """Return the radii of existing moulds, and the moulds of locked panels, both of an earlier report where one is given."""
+    if arguments.keep is None:
+        if arguments.locked is not None:
+            raise CGCError("--locked needs --keep JSON, the report of the run in which these panels have their moulds")
+        return arguments.radii, None
+    try:
+        record = json.loads(Path(arguments.keep).read_text(encoding="utf-8"))
+        radii = [math.inf if own is None else float(own) for own in record["radii"]]
+        classes = [int(own) for own in record["classes"]]
+    except (OSError, ValueError, TypeError, KeyError):
+        raise FileError(f"{arguments.keep} is no report of compas-cgc rationalise; write one with --report JSON") from None
+    wrong = [own for own in arguments.locked or () if not 0 <= own < len(classes)]
+    if wrong:
+        raise CGCError(f"{arguments.keep} has panels 0 to {len(classes) - 1}, not {', '.join(map(str, wrong))}; see --locked")
+    return radii, {own: classes[own] for own in arguments.locked or ()}
 
 
 def length(text: str, units: Union[str, None], name: str) -> float:

@@ -37,6 +37,14 @@ LARGEST_DEVIATION = 0.01  # of the size, from which a fitted surface is no longe
 ON_SIDE = 1e-3  # of a mean edge, within which a rim is a side of the rectangle around it
 
 
+class DesignMesh(NamedTuple):
+    """The mesh of a design."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    polygons: Sequence[Sequence[int]]  # corners of its faces
+    notes: tuple[str, ...] = ()  # on the surface fitted to it
+
+
 class Design(NamedTuple):
     """A finished design."""
 
@@ -48,6 +56,15 @@ class Design(NamedTuple):
     drawing: Drawing = Drawing()
     notes: tuple[str, ...] = ()
     quads: Optional[tuple[FloatArray, IntArray]] = None  # parameters (k, 2) of the corners and corners (q, 4) of a quad mesh
+    mesh: Optional[DesignMesh] = None  # to which the surface is fitted
+
+    def refitted(self, tolerance: float) -> Design:
+        """Return the same design with its surface fitted to the mesh within another tolerance [L]; itself if it is no mesh."""
+        if self.mesh is None:
+            return self
+        made = _fitted(self.mesh.vertices, self.mesh.polygons, tolerance)
+        notes = tuple(note for note in self.notes if note not in self.mesh.notes) + made.notes
+        return made._replace(supports=self.supports, seams=self.seams, drawing=self.drawing, notes=notes)
 
     @property
     def trimmed(self) -> bool:
@@ -173,7 +190,7 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
     if all(len(face) == 4 for face in polygons):
         own = np.array(polygons)
         quads = _joined_corners(uv, own, over, [np.argmin(over.uv[:, 1]), np.argmax(over.uv[:, 1])])
-    return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads)
+    return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads, mesh=DesignMesh(vertices, polygons, notes))
 
 
 def _joined_corners(uv: FloatArray, quads: IntArray, over: Unwrapped, ends: Sequence[np.integer]) -> tuple[FloatArray, IntArray]:

@@ -44,6 +44,7 @@ __all__ = ["Progress", "rationalise"]
 MAX_PANELS_ALONG = 1000  # along the size of a design
 MAX_WITHIN_RATIO = 0.1  # distance that is to be kept, relative to the size
 MAX_RADIUS_RATIO = 100.0  # of radii of moulds and the size; a sphere of this radius deviates from a plane by 1/800 of the size
+FIT_PART = 0.1  # of the distance that is to be kept, within which a surface is fitted to a mesh by default
 MAX_MOULDS = 16  # that are tried for a distance that is to be kept
 
 MouldsInput = Union[int, Sequence[float], None]
@@ -103,7 +104,8 @@ def rationalise(
     edges
         Edges of the mesh along the side of a panel. Default: four, or more where panels are few.
     tolerance
-        Largest distance between a mesh and the smooth surface fitted to it [L].
+        Largest distance between a mesh and the smooth surface fitted to it [L]. Default: as in :func:`read_design`, or less, a tenth of
+        ``within``.
     locked
         Mould, as a position among given radii, of panels that are not to be assigned, by the number of the panel.
     callback
@@ -141,6 +143,8 @@ def rationalise(
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise CGCError(f"{name} must be a length above zero, in the units of the design, not {value!r}")
     _check_scale(read, panel, within, moulds)
+    if within is not None and tolerance is None and read.deviation > FIT_PART * within:
+        read = read.refitted(FIT_PART * within)
     panelling = panels_of(read, panel, edges, seams)
     fixed = _fixed(read, panelling, supports)
     moves = NormalMoves(panelling, fixed)

@@ -47,6 +47,29 @@ def test_a_design_becomes_panels_with_a_report_and_is_read_by_the_mould_command(
     assert read(out) is not None
 
 
+def test_a_second_run_keeps_moulds_and_locked_panels(design, tmp_path, capsys):
+    def run(name, *more):
+        command = ["rationalise", str(design), "-o", str(tmp_path / f"{name}.3dm"), "--panel", "2", "--edges", "4"]
+        code = main([*command, "--report", str(tmp_path / f"{name}.json"), "-q", *more])
+        return code, json.loads((tmp_path / f"{name}.json").read_text(encoding="utf-8")) if code == 0 else None
+
+    _, first = run("first", "--moulds", "3", "--flat")
+    locked = {panel: (first["classes"][panel] + 1) % len(first["curvatures"]) for panel in (0, 5)}
+    wrong = {**first, "classes": [locked.get(panel, own) for panel, own in enumerate(first["classes"])]}
+    (tmp_path / "wrong.json").write_text(json.dumps(wrong), encoding="utf-8")
+    code, second = run("second", "--keep", str(tmp_path / "wrong.json"), "--locked", "0", "5")
+    used = [first["curvatures"].index(pytest.approx(K)) for K in second["curvatures"]]
+    assert code == 0 and [used[second["classes"][panel]] for panel in locked] == list(locked.values())
+    code, free = run("free", "--keep", str(tmp_path / "first.json"))
+    assert code == 0 and free["distance"]["max"] < second["distance"]["max"]
+    for options, sentence in (
+        (["--locked", "0"], "--locked needs --keep"),
+        (["--keep", str(tmp_path / "first.json"), "--locked", "99"], "has panels 0 to 7, not 99"),
+        (["--keep", str(design)], "is no report of compas-cgc rationalise"),
+    ):
+        assert run("refused", *options)[0] != 0 and sentence in capsys.readouterr().err
+
+
 def test_panels_are_drawn_as_surfaces_on_demand(design, tmp_path, capsys):
     out = tmp_path / "panels.3dm"
     command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--nurbs"]

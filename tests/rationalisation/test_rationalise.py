@@ -10,6 +10,7 @@ import pytest
 import compas_cgc
 from compas_cgc.discrete.space_form import space_form_angle_sums
 from compas_cgc.errors import CGCError
+from compas_cgc.model.problem import Drawing
 from compas_cgc.rationalisation import Rationalised
 from compas_cgc.rationalisation.design import read_design
 from compas_cgc.rationalisation.normal_moves import FOLD_LENGTH
@@ -139,6 +140,18 @@ def test_a_promise_is_kept_or_refused_with_a_suggestion():
     broken = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=2, within=0.001)
     assert broken.status == "exceeded" and broken.distance.largest > 0.001
     assert "try" in broken.suggestion and "moulds" in broken.suggestion
+
+
+def test_a_mesh_is_fitted_more_closely_than_the_distance_that_is_promised():
+    mesh, options = mesh_over(bumpy("soft", 1), edge=1.0), {"panel": 5.0, "moulds": 4}
+    loose, drawn = read_design(mesh, tolerance=0.02), Drawing("roof", "Meters", 0.01)
+    within = 5.0 * loose.deviation
+    design = loose._replace(drawing=drawn, notes=("a note of the file", *loose.notes))
+    found = compas_cgc.rationalise(design, within=within, **options).design
+    assert loose.deviation > 0.1 * within >= found.deviation
+    assert found.drawing == drawn and found.notes == ("a note of the file",)
+    assert compas_cgc.rationalise(mesh, within=within, tolerance=0.02, **options).design.deviation == loose.deviation
+    assert read_design(loose.surface).refitted(1e-9).deviation == 0.0
 
 
 def test_what_the_fit_of_a_mesh_deviates_counts_in_a_promise():

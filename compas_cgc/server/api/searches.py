@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from typing import Callable
 from typing import NamedTuple
+from typing import Union
 
 from ...errors import CGCError
 from ...execution.worker import report
@@ -20,9 +22,10 @@ from ...model.problem import CGCProblem
 
 __all__ = ["SEARCHES", "Found", "Search"]
 
-SEAMS = ("grid", "curvature", "geodesics", "levels")
+SEAMS = ("grid", "curvature", "geodesics", "levels", "faces")
 SUPPORTS = ("corners", "boundary", "none")
 _LENGTH = {"type": "number", "exclusiveMinimum": 0, "maximum": values.LARGEST}
+_CURVE = {"type": "array", "minItems": 2, "items": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}}
 
 
 class Found(NamedTuple):
@@ -58,6 +61,30 @@ def _one_of(names: tuple[str, ...]) -> Callable[[object, str], str]:
     return read
 
 
+def _seams(value: object, name: str) -> Union[str, list[list[list[float]]]]:
+    """Return the name of a layout of seams, or points along curves."""
+    if isinstance(value, str):
+        return _one_of(SEAMS)(value, name)
+    lines = [values.points(line, f"every curve of {name}") for line in value] if isinstance(value, (list, tuple)) else []
+    if not lines or any(isinstance(line, str) or len(line) < 2 for line in lines):
+        raise CGCError(f"{name} must be one of {', '.join(SEAMS)}, or curves of two points (x, y, z) or more, not {value!r:.60}")
+    return [line for line in lines if not isinstance(line, str)]
+
+
+def _radii(value: object, name: str) -> list[float]:
+    """Return radii of moulds; null is flat."""
+    if not isinstance(value, (list, tuple)) or not value:
+        raise CGCError(f"{name} must be a list of radii of moulds, with null for a flat one, not {value!r:.60}")
+    return [math.inf if own is None else values.number(own, f"every radius of {name}") for own in value]
+
+
+def _locked(value: object, name: str) -> dict[int, int]:
+    """Return moulds of panels by the numbers of the panels, which are texts in JSON."""
+    if not isinstance(value, Mapping):
+        raise CGCError(f"{name} must be an object of panels and their moulds, such as {{'12': 0}}, not {value!r:.60}")
+    return {values.whole(panel, f"every panel of {name}"): values.whole(mould, f"every mould of {name}") for panel, mould in value.items()}
+
+
 def _limits(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
     from ...solvers.limits import largest_target
 
@@ -79,6 +106,10 @@ def _rationalised(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
     own = problem.without_dummies()
     held = {} if "supports" in settings or not len(own.supports) else {"supports": own.vertices[own.supports]}
     given = {"moulds": None if "within" in settings else 4, **settings, **held}
+    if "radii" in given:
+        if "moulds" in settings:
+            raise CGCError("moulds is a number of moulds and radii are those of moulds that exist; give one of them")
+        given["moulds"] = given.pop("radii")
     found = rationalise(read_design((own.vertices, own.faces))._replace(drawing=own.drawing), callback=watch, **given)
     arrays = {
         "vertices": found.result.vertices,
@@ -123,6 +154,18 @@ SEARCHES: dict[str, Search] = {
                     values.whole,
                     {"type": "integer", "minimum": 1, "maximum": 64},
                 ),
+                BuildOption(
+                    "radii",
+                    "radii of existing moulds instead of their number: positive for spheres, negative for saddles, null for flat",
+                    _radii,
+                    {"type": "array", "minItems": 1, "items": {"type": ["number", "null"]}},
+                ),
+                BuildOption(
+                    "locked",
+                    "panels that keep a mould, as a position in radii, by their numbers",
+                    _locked,
+                    {"type": "object", "additionalProperties": {"type": "integer", "minimum": 0}},
+                ),
                 BuildOption("panel", "width of the panels (default: a twelfth of the longer side)", values.number, _LENGTH),
                 BuildOption("within", "largest distance from the design", values.number, _LENGTH),
                 BuildOption(
@@ -130,9 +173,10 @@ SEARCHES: dict[str, Search] = {
                 ),
                 BuildOption(
                     "seams",
-                    "grid along the plan, or levels of K for few regions (default: grid)",
-                    _one_of(SEAMS),
-                    {"enum": list(SEAMS), "default": SEAMS[0]},
+                    "grid along the plan, curvature or geodesics (lines one panel apart), levels of K for few regions, faces of a quad "
+                    "mesh, or points along curves on the design (default: grid)",
+                    _seams,
+                    {"anyOf": [{"enum": list(SEAMS)}, {"type": "array", "minItems": 1, "items": _CURVE}], "default": SEAMS[0]},
                 ),
                 BuildOption(
                     "supports",

@@ -15,6 +15,7 @@ from .build_endpoints import build_endpoints
 from .goals import GOAL_INPUTS
 from .rationalise_endpoint import RATIONALISE
 from .rationalise_endpoint import rationalise_endpoint
+from .schema import MAX_ITEMS
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
@@ -24,7 +25,6 @@ __all__ = ["OPTION_INPUTS", "REPEATABLE", "endpoint", "endpoints"]
 
 
 REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/goals", "cgc/flow", "cgc/analyse", *BUILDS, RATIONALISE)  # responses can be cached
-MAX_ITEMS = 5000  # largest number of curves or points that are located on the mesh one by one
 OPTION_INPUTS = {
     "S": ("S", "s"),
     "Delay": ("D", "delay"),

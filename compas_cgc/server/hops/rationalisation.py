@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import numpy as np
@@ -10,11 +11,14 @@ from ..api.rhino_mesh import mesh_text
 from ..api.rhino_mesh import polyline_text
 from ..limits import Limits
 from .data_tree import entry
+from .geometry import read_curve
 from .inputs import design_of
 from .reply import Reply
 from .reply import spent
 
 __all__ = ["run_rationalise"]
+
+SAMPLING = 1e-5  # of the size of a design, within which curves are sampled where the tolerance of the document is unknown or finer
 
 
 def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
@@ -26,9 +30,12 @@ def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float)
     problem, notes = design_of(inputs, context, limits)
     read = time.perf_counter()
     own = problem.without_dummies()
+    radii = [radius or math.inf for radius in inputs["Radii"]]
+    fine = max(context["absolutetolerance"], SAMPLING * float(np.linalg.norm(np.ptp(own.vertices, axis=0))))
     found = rationalise(
         read_design((own.vertices, own.faces))._replace(drawing=own.drawing),
-        moulds=None if inputs["Within"] else inputs["Moulds"],
+        moulds=radii or (None if inputs["Within"] else inputs["Moulds"]),
+        seams=[read_curve(data, "Seams", fine).tolist() for data in inputs["Seams"]] or None,
         within=inputs["Within"] or None,
         panel=inputs["Panel"] or None,
         supports=own.vertices[own.supports].tolist() if len(own.supports) else None,

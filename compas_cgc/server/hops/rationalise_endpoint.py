@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .schema import MAX_ITEMS
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
@@ -31,6 +32,16 @@ def rationalise_endpoint(info: Output) -> Endpoint:
                 "Largest distance from the design: the fewest moulds that keep it. Defaults to 0: use Moulds.",
                 default=0.0,
                 low=0.0,
+            ),
+            Input("Seams", "C", "Curve", "Curves along seams. If empty, a grid.", many=True, most=MAX_ITEMS, optional=True),
+            Input(
+                "Radii",
+                "R",
+                "Number",
+                "Radii of existing moulds instead of their number: positive for spheres, negative for saddles, 0 for flat.",
+                many=True,
+                most=MAX_ITEMS,
+                optional=True,
             ),
         ),
         (

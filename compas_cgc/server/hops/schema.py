@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Optional
 from typing import Union
 
-__all__ = ["Endpoint", "Input", "Output", "icon"]
+__all__ = ["MAX_ITEMS", "Endpoint", "Input", "Output", "icon"]
 
+MAX_ITEMS = 5000  # largest number of curves or points that are located on the mesh one by one
 RESULT_TYPES = {
     "Number": "System.Double",
     "Integer": "System.Int32",

@@ -163,6 +163,21 @@ def test_a_design_becomes_panels_on_few_moulds(client):
         client.build("rationalise", vertices, np.array(quads), settings={"panel": -2.0})
 
 
+def test_seams_moulds_and_locked_panels_of_a_design_are_given(client):
+    def height(x, y):
+        return 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2
+
+    vertices, quads = mesh_over(height, 8.0, 4.0, 0.5)
+    seam = [[x, 0.3 * x, height(x, 0.3 * x)] for x in np.linspace(0.0, 8.0, 33)]
+    given = {"seams": [seam], "radii": [4.0, None], "locked": {"0": 1}}
+    found = client.build("rationalise", vertices, np.array(quads), settings=given)
+    assert found["panels"] == 2 and found["curvatures"][found["classes"][0]] == 0.0
+    on_seam = np.array(found["vertices"])[np.unique(found["seams"])]
+    assert np.abs(on_seam[:, 1] - 0.3 * on_seam[:, 0]).max() < 0.02
+    with pytest.raises((Failed, Refused), match="give one of them"):
+        client.build("rationalise", vertices, np.array(quads), settings={"radii": [4.0], "moulds": 2})
+
+
 def test_the_list_of_tasks_is_the_table(client):
     found = {own["name"]: own for own in client.tasks()}
     assert set(found) == {"mould", "unroll", "membrane", "net", "quads", "drawings", "limits", "rationalise"}
@@ -176,7 +191,10 @@ def test_the_list_of_tasks_is_the_table(client):
     "body, sentence",
     [
         ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, quads, drawings, limits, rationalise"),
-        ({"task": "rationalise", "settings": {"seams": "x"}}, "'seams' must be one of grid, curvature, geodesics, levels"),
+        ({"task": "rationalise", "settings": {"seams": "x"}}, "'seams' must be one of grid, curvature, geodesics, levels, faces"),
+        ({"task": "rationalise", "settings": {"seams": [[[0, 0, 0]]]}}, "or curves of two points (x, y, z) or more"),
+        ({"task": "rationalise", "settings": {"radii": ["x"]}}, "every radius of 'radii' must be a number"),
+        ({"task": "rationalise", "settings": {"locked": [3]}}, "'locked' must be an object of panels and their moulds"),
         ({"task": "rationalise", "settings": {"mould": 3}}, "there is no option 'mould'"),
         ({"task": ["net"]}, "'task' must be one of"),
         ({"task": "unroll", "settings": {"sheet": "large"}}, "'sheet' must be LENGTHxWIDTH"),

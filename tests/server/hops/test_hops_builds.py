@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import rhino3dm
 
 from compas_cgc import CGCProblem
 from compas_cgc.fabrication import curve_net
@@ -63,6 +64,11 @@ def test_a_design_becomes_panels_on_few_moulds(hops):
     assert (status, errors, warnings) == (200, [], []) and "8 panels on 2 moulds" in outputs["Info"][0]
     assert len(outputs["Panels"]) == len(outputs["Mould"]) == 8 and len(outputs["K"]) == 2
     assert 0.0 < np.abs(outputs["Distance"]).max() < 0.05
+    line = [
+        rhino3dm.Point3d(x, 0.3 * x, 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (0.3 * x - 2.0) ** 2) for x in np.linspace(0.0, 8.0, 33).tolist()
+    ]
+    _, outputs, errors, _ = hops("rationalise").solve(Mesh=mesh, Radii=[4.0, 0.0], Seams=[rhino3dm.PolylineCurve(line)])
+    assert errors == [] and len(outputs["Panels"]) == 2 and set(outputs["K"]) <= {0.0, 0.0625}
     _, outputs, errors, warnings = hops("rationalise").solve(Mesh=mesh, Panel=4.0, Within=1e-4)
     assert errors == [] and "try" in warnings[0]
 
