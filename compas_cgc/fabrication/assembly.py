@@ -132,5 +132,8 @@ def draw_plan(patterns: Patterns) -> Drawing:
     texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
     units = patterns.problem.drawing.units
     origin = ", ".join(f"{axis} = {in_mm([value], units)}" for axis, value in zip("xy", low.tolist()))
-    notes = [f"seen from above, x to the right and y up; the lower left corner of this plan lies at {origin} of the model"]
+    notes = [
+        f"drawn 1:1, seen from above, x to the right and y up; the lower left corner of this plan lies at {origin} of the model",
+        "pieces lie on their sheets turned; the numbers of seams show how",
+    ]
     return with_legend(Drawing(lines, texts, size, units), MEANINGS, notes, 0.75 * height)

@@ -88,18 +88,39 @@ def _slots(angles: FloatArray, schedule: LathSchedule) -> FloatArray:
 def _notes(schedule: LathSchedule) -> list[str]:
     """Return the conventions of the schedule and the drawing."""
     above = {True: ", here above everywhere", False: ", here below everywhere", None: ""}[schedule.above]
+    near = [f"L{lath.number} at node {node}" for lath in schedule.laths for node in _near_ends(lath, schedule)]
+    ends = [f"nodes closer than the width to an end, where the rest of the lath may break off: {', '.join(near)}"] if near else []
+    first, second = (_numbers([lath.number for lath in schedule.laths if lath.family == family]) for family in (0, 1))
+    stock = f"of at most {1e3 * schedule.unit * schedule.stock:.1f} mm " if schedule.stock else ""
     return [
         "lengths in mm, angles in degrees; x, y, z: nodes in the coordinates of the model, x and y in plan, z up, with its origin",
+        "stations and lengths: along the axis of the lath, at half its width; ends are cut square, at the edge of the surface; edge beams "
+        "are not included",
         f"outside: the side to which the normals of the surface point{above}; the width of the laths lies along the normals",
         "station 0 is the start of a lath, in the drawing its left end and in the plan the end beside its number; left and right: for an "
         "observer outside who looks from station 0 along the lath",
         "twist: rotation about the axis per metre, positive for a right-handed screw: the far end is turned clockwise, seen from station 0",
         "bending radius: about the weak axis, positive if the lath bends to the left, negative if to the right, empty where it is straight",
         "angle: counterclockwise seen from outside, from the direction of the lath of family 0 to that of family 1, both from station 0 on",
-        "slots: half the width deep, cut square, width along the lath; family 0 is slotted from the inside, family 1 from the outside",
+        "slots: half the width deep, cut square, width along the lath, without clearance; family 0 is slotted from the inside, family 1 "
+        "from the outside: lay family 1 first, then set family 0 on it; no holes or bolts are included",
+        f"family 0: {first}; family 1: {second}",
+        *ends,
         "stress: bending and stretch of the outer fibres by twisting; shear: by twisting; without loads and safety factors",
-        "splices: stations at which stock lengths meet",
+        f"splices: stations at which stock lengths {stock}meet end to end; no overlap or plate is included",
     ]
+
+
+def _near_ends(lath: Lath, schedule: LathSchedule) -> list[int]:
+    """Return the nodes of a lath that are closer than its width to one of its ends."""
+    away = 1e3 * schedule.unit * np.minimum(lath.stations, lath.length - lath.stations)
+    return lath.nodes[away < schedule.width].tolist()
+
+
+def _numbers(numbers: list[int]) -> str:
+    """Return the numbers of laths as text, such as ``L1 to L4, L7``."""
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
+    return ", ".join(f"L{run[0]}" if len(run) == 1 else f"L{run[0]} to L{run[-1]}" for run in runs if len(run)) or "none"
 
 
 def _side(lath: Lath) -> str:
@@ -137,8 +158,8 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
             lines.append(Line("MARK", np.array([[mm * splice, low], [mm * splice, low + width]])))
         texts.append(Text("LABEL", f"L{lath.number}", np.array([-width, low + 0.5 * width]), 0.4 * width))
     title = (
-        f"{len(schedule.laths)} laths of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}; all lengths in mm; the lower "
-        "edge lies inside; the face towards the viewer is the right one"
+        f"{len(schedule.laths)} laths of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}, drawn 1:1; all lengths in mm; "
+        "the lower edge lies inside; the face towards the viewer is the right one"
     )
     texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), 0.25 * width))
     bottom = -ROW * width * (len(schedule.laths) - 1)

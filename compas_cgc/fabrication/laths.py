@@ -56,6 +56,7 @@ class LathSchedule(NamedTuple):
     thickness: float  # [mm]
     material: Material
     unit: float  # length of the model unit [m]
+    stock: float  # length of the stock, 0 if unlimited [L]
     above: Optional[bool]  # whether the outside, to which normals point, is above everywhere (True) or below (False), else None
 
 
@@ -147,7 +148,7 @@ def lath_schedule(
         )
     up = own_normals[:, 2]
     above = True if up.min() > 0.0 else False if up.max() < 0.0 else None
-    return LathSchedule(laths, float(width), float(thickness), stuff, unit, above)
+    return LathSchedule(laths, float(width), float(thickness), stuff, unit, float(stock), above)
 
 
 class _Followed(NamedTuple):

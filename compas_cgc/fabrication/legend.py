@@ -8,14 +8,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
 from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Text
 
-__all__ = ["with_legend"]
+__all__ = ["outside_note", "with_legend"]
 
 LINE_PITCH = 1.8  # distance of lines of text, relative to their height
 MIN_LINE = 60  # characters on a line at least
+
+
+def outside_note(normals: FloatArray) -> str:
+    """Return the sentence that defines the outside of a surface with face normals (m, 3)."""
+    up = normals[:, 2]
+    where = ", here above everywhere" if up.min() > 0.0 else ", here below everywhere" if up.max() < 0.0 else ""
+    return f"outside: the side to which the normals of the surface point{where}"
 
 
 def with_legend(drawing: Drawing, meanings: Mapping[str, str], notes: Sequence[str], height: float, width: float = 0.0) -> Drawing:

@@ -36,7 +36,9 @@ _HEAD = (
     "neighbours",
     "diagonals between corners in mm",
     "bending stress in MPa",
+    "stress on 95 % in MPa",
     "part of strength in %",
+    "corners in mm",
 )
 NOTES = (
     "lengths in mm, in position, seen from outside, the side to which the normals point; sides are counterclockwise from corner 1",
@@ -45,8 +47,11 @@ NOTES = (
     "sides: along the outline, from each corner to the next; neighbours in the same order; edge: edge of the roof",
     "diagonals: straight distances between corners that are no neighbours, in the order 1-3, 1-4, ..., 2-4, ...",
     "mould radius: 1/sqrt|K|, the radius of a sphere, or of a pseudosphere for K < 0",
-    "bending stress: largest stress of bending from the mould into position; part of strength: on 95 % of the area of the panel, of the "
-    "characteristic bending strength without safety factor; above 100 % the panel breaks",
+    "bending stress: largest stress of bending from the mould into position; stress on 95 %: that 95 % of the area of the panel does not "
+    "exceed; part of strength: of the latter, of the characteristic bending strength without safety factor; above 100 % the panel breaks",
+    "panels have the size of the surface at the middle of their thickness and meet edge to edge: no joint is taken off, and no holes, "
+    "fixings or tolerances are included",
+    "corners: (x, y, z) in the coordinates of the model, x and y in plan, z up, from corner 1 to the last",
 )
 
 
@@ -65,6 +70,8 @@ class PanelSheet(NamedTuple):
     K: float  # of the mould [1/m^2]
     radius: float  # of curvature of the mould, 0 for a plane [mm]
     sides: list[PanelSide]  # counterclockwise
+    corners: FloatArray  # (k, 3) in position [mm]
+    heights: FloatArray  # (k,) of the corners over the mean plane, positive to the outside [mm]
     diagonals: list[tuple[int, int, float]]  # corners, from 0, and their distance in position [mm]
     size: tuple[float, float]  # length and width of the smallest rectangle [mm]
     rise: float  # distance between the lowest and the highest point over the mean plane [mm]
@@ -134,6 +141,8 @@ def _sheet(report: MouldReport, fit: PanelFit, outline: FloatArray, inside: Floa
         mould.K / report.unit**2,
         0.0 if radius is None else mm * radius,
         sides,
+        mm * outline[start],
+        mm * (outline[start] - middle) @ up,
         diagonals,
         (mm * max(box.length, box.width), mm * min(box.length, box.width)),
         mm * float(np.ptp(height)),
@@ -178,5 +187,7 @@ def _row(own: PanelSheet) -> tuple:
         " ".join(side.neighbour for side in own.sides),
         " ".join(f"{length:.1f}" for _, _, length in own.diagonals),
         "" if own.fit.stress is None else f"{own.fit.stress:.1f}",
+        "" if own.fit.stress_95 is None else f"{own.fit.stress_95:.1f}",
         "" if own.fit.stress is None else f"{100.0 * own.used:.0f}",
+        " ".join(f"({x:.1f}, {y:.1f}, {z:.1f})" for x, y, z in np.round(own.corners, 1) + 0.0),
     )

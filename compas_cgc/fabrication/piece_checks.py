@@ -25,8 +25,8 @@ def contours(piece: Piece) -> list[FloatArray]:
 
 
 def sharpest_corner(piece: Piece) -> float:
-    """Return the least angle inside a contour of a piece [rad]."""
-    return min(float(_corners(loop).min(initial=np.pi)) for loop in contours(piece))
+    """Return the least angle inside an outline of a piece [rad]; contours beside it, as in the middle of a kerf, cut corners off."""
+    return min(float(_corners(loop.points).min(initial=np.pi)) for loop in piece.loops)
 
 
 def _corners(loop: FloatArray) -> FloatArray:

@@ -41,9 +41,18 @@ _HEAD = (
 )
 
 
+NOTES = (
+    "length, width and perimeter: of the contour that is cut; length and width are those of the rectangle around it on the sheet",
+    "course: suggested order of assembly, 1 for pieces on supports, 2 for their neighbours, and so on",
+    "on edge of sheet: a side of the piece lies on the edge of its sheet and is not trimmed",
+    "bends: away from the viewer who sees the piece from outside, or towards; least bending radius: the smallest across rulings",
+    "sharpest corner: between two sides of the outline, before kerf and allowance",
+)
+
+
 def cut_list_text(patterns: Patterns) -> str:
     """Return :func:`cut_list` as CSV."""
-    return csv_text(_HEAD, cut_list(patterns))
+    return csv_text(_HEAD, cut_list(patterns), NOTES)
 
 
 @names_what_was_meant()

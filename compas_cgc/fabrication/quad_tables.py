@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
+from .legend import outside_note
 from .materials import metres_per_unit
 from .quads import PlaneQuads
 from .tables import csv_text
@@ -73,13 +75,16 @@ def quad_notes(quads: PlaneQuads) -> list[str]:
     outwards = float(np.median(np.einsum("ki,ki->k", quads.axes, _node_normals(quads)))) > 0.0
     return [
         "lengths in mm; x, y, z: nodes in the coordinates of the model, x and y in plan, z up, with its origin",
-        "outside: the side to which the normals of the surface point; faces are seen from outside, their nodes are counterclockwise",
+        f"{outside_note(face_normals(quads.problem.vertices, quads.problem.faces))}; faces are seen from outside, their nodes are "
+        "counterclockwise",
         "sides of a face: from each node to the next, in order; diagonals: from the first node to the third, from the second to the fourth",
         "planarity: largest distance between the diagonals of four consecutive corners",
-        "faces end at the axes of the beams: no joint is taken off, and no thickness of faces or beams is assumed",
+        "faces end at the axes of the beams: no joint is taken off, and no thickness of faces or beams is assumed; no holes or tolerances "
+        "are included; material and thickness are the engineer's choice",
         f"beams are plates across the faces, from the nodes to their depth {'outside' if outwards else 'inside'}; their length is that "
         "between the nodes; the engineer chooses their thickness",
-        "twist: distance between the diagonals of a beam, 0 if it is plane; angle between faces: between their normals, positive if convex",
+        "twist: distance between the diagonals of a beam, 0 if it is plane; a twisted beam is drawn with its true sides, bent along the "
+        "diagonal; angle between faces: between their normals, positive if convex",
     ]
 
 

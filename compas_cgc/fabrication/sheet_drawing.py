@@ -7,6 +7,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -20,6 +21,7 @@ from .drawing import clearance
 from .drawing import roomiest
 from .figures import in_mm
 from .figures import metres
+from .legend import outside_note
 from .legend import with_legend
 from .outlines import Loop
 from .outlines import Seam
@@ -40,16 +42,18 @@ MEANINGS = {
     "OUTLINE": "edge of the piece where it meets its neighbours; not cut",
     "FOLD_UP": "fold line, engraved; ridge towards the viewer, both sides bend away",
     "FOLD_DOWN": "fold line, engraved; valley, both sides bend towards the viewer",
-    "RULING": "straight line along the piece, across which it is rolled; not cut; R: bending radius in mm at the middle of the line; "
-    "away: the piece beside the line bends away from the viewer, towards: to the viewer",
+    "RULING": "line along the piece that stays straight, across which it is rolled; not cut; R: bending radius in mm at the middle of the "
+    "line; away: the piece beside the line bends away from the viewer, towards: to the viewer",
     "MARK": "tick to engrave; it lies against the tick of the same seam on the neighbouring piece",
     "LABEL": "name of the piece, to engrave",
-    "SEAM": "number of the seam / name of the piece beyond it",
+    "SEAM": "number of the seam / name of the piece beyond it; sides without one are edges of the roof",
     "NODE": "number of the node, as in the table of edges; not engraved",
     "SHEET": "edge of the sheet and its title; not cut",
 }
 MARK_LENGTH = 0.012  # relative to the sheet length
 MIN_FOLD = np.radians(1.0)  # least angle of an edge that is drawn as a fold
+TEXT_SIZES = np.array([0.7, 0.5, 0.35, 0.25])  # heights of the texts at rulings, relative to the text height, the first that fits
+PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # along a ruling, where its text is tried in this order
 MIN_NUMBER_SIZE = 0.2  # relative to the text height; smaller node numbers are omitted
 
 
@@ -112,6 +116,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
     for seam in patterns.seams:
         for side in seam.pieces:
             ticked[side].update(seam.nodes[_marks_of(seam, mark).nodes].tolist())
+    labels = np.zeros((len(patterns.pieces), 2, 2))
     for number, piece in enumerate(patterns.pieces):
         if piece.sheet not in origins:
             continue
@@ -124,14 +129,17 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         place, room = roomiest(own.plane[own.piece == number].mean(axis=1), [loop.points for loop in piece.loops])
         # The circle of free room around the label contains its corners.
         half = 0.5 * np.hypot(LETTER_WIDTH * len(piece.label), 1.0)
-        texts.append(Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.95 * room / half))))
+        label = Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.95 * room / half)))
+        texts.append(label)
+        labels[number] = _box(piece.label, place, label.height)
         if nodes:
             texts += [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height, origin)]
+    taken = [[own] for own in labels]
     for ruling in patterns.rulings:
         if patterns.pieces[ruling.piece].sheet in origins:
             origin = origins[patterns.pieces[ruling.piece].sheet]
             lines.append(Line("RULING", ruling.points + origin))
-            texts.append(_radius(patterns, ruling, height, origin))
+            texts += _radius(patterns, ruling, height, origin, taken[ruling.piece])
     for seam in patterns.seams:
         for side in (0, 1):
             if patterns.pieces[seam.pieces[side]].sheet not in origins:
@@ -170,24 +178,68 @@ def _notes(patterns: Patterns) -> list[str]:
     notes = [
         f"material: {stuff}" if stuff else "material and thickness are not given",
         "drawn 1:1; lengths in texts are in mm; pieces are seen from outside, with the size of the surface at the middle of the thickness",
+        outside_note(face_normals(patterns.problem.vertices, patterns.problem.faces)),
+        "pieces meet edge to edge: no gap is taken off at seams, and no holes, fixings or tolerances are included",
     ]
     if patterns.stock.grain is not None:
         notes.append("the grain runs along the length of the sheets")
     if not folded(patterns).any():
         notes.append("there are no folds: pieces are rolled or pressed")
+    if patterns.rulings:
+        off = [own for own in patterns.straightness.values() if own.median <= MAX_BOW]
+        notes.append(
+            f"rulings deviate from straight lines by {100 * max(own.median for own in off):.2g} % of their length (median); "
+            "where none are drawn, the piece is bent as well, but its rulings are not straight; without a number for lack of room: see the "
+            "cut list"
+        )
     return [*notes, *remarks(patterns)]
 
 
-def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArray) -> Text:
-    """Return the radius of bending at the middle of a ruling, beside it."""
-    k = max(1, len(ruling.points) // 2)
-    a, b = ruling.points[k - 1], ruling.points[k]
-    along = _unit((b - a)[None])[0]
-    aside = np.array([-along[1], along[0]])
+def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArray, taken: list[FloatArray]) -> list[Text]:
+    """Return the radius of bending at the middle of a ruling, beside it and inside the piece; nothing where no place is free.
+
+    `taken` holds the boxes of texts in the piece, to which the box of this text is added.
+    """
     radius = 1e3 * metres(patterns.problem.drawing.units) / abs(ruling.bending) if ruling.bending else np.inf
     text = f"R {radius:.0f} {'away' if ruling.bending > 0.0 else 'towards'}" if np.isfinite(radius) else "flat"
-    size = 0.7 * height
-    return Text("RULING", text, 0.5 * (a + b) + clearance(text, size, aside) * aside + origin, size)
+    loops = [loop.points for loop in patterns.pieces[ruling.piece].loops]
+    sides = np.concatenate([np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops])
+    length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ruling.points, axis=0), axis=1))]
+    for size in height * TEXT_SIZES:
+        for share in PLACES:
+            k = min(max(1, int(np.searchsorted(length, share * length[-1]))), len(length) - 1)
+            along = _unit((ruling.points[k] - ruling.points[k - 1])[None])[0]
+            foot = ruling.points[k - 1] + (share * length[-1] - length[k - 1]) * along
+            for aside in (np.array([-along[1], along[0]]), np.array([along[1], -along[0]])):
+                place = foot + clearance(text, size, aside) * aside
+                box = _box(text, place, size)
+                whole = np.array([np.minimum(box[0], foot), np.maximum(box[1], foot)])
+                if not _crosses(sides, whole).any() and not any(_overlap(box, other) for other in taken):
+                    taken.append(box)
+                    return [Text("RULING", text, place + origin, float(size))]
+    return []
+
+
+def _box(text: str, place: FloatArray, size: float) -> FloatArray:
+    """Return the lower left and upper right corner of a text centred at a place (2, 2) [L]."""
+    half = 0.5 * size * np.array([LETTER_WIDTH * len(text), 1.0])
+    return np.array([place - half, place + half])
+
+
+def _overlap(box: FloatArray, other: FloatArray) -> bool:
+    return bool((box[0] < other[1]).all() and (other[0] < box[1]).all())
+
+
+def _crosses(sides: FloatArray, box: FloatArray) -> Mask:
+    """Return the mask of segments (k, 2, 2) that meet a box (2, 2)."""
+    start, step = sides[:, 0], sides[:, 1] - sides[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = (box[:, None] - start) / step  # (2, k, 2) parameters at which segments enter and leave the box along x and y
+    parallel = step == 0.0
+    within = (start >= box[0]) & (start <= box[1])
+    enter = np.where(parallel, np.where(within, 0.0, np.inf), at.min(axis=0))
+    leave = np.where(parallel, 1.0, at.max(axis=0))
+    return np.asarray(np.maximum(enter.max(axis=1), 0.0) <= np.minimum(leave.min(axis=1), 1.0))
 
 
 def folded(patterns: Patterns, fold: float = MIN_FOLD) -> Mask:

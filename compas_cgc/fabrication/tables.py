@@ -10,16 +10,24 @@ from collections.abc import Sequence
 import numpy as np
 
 from .figures import metres
+from .patchwork import EDGE
 from .patchwork import NONE
 from .patchwork import SIDES
 from .patchwork import mates
 from .patchwork import outline_sides
 from .patterns import Patterns
+from .sheet_drawing import folded
 
 __all__ = ["csv_text", "edge_table", "edge_table_text", "escaped", "unescaped"]
 
 _FORMULA_MARKS = frozenset("=+-@\t\r")  # first characters of formulas in spreadsheets
-_HEAD = ("piece", "from", "to", "kind", "length in space in mm", "length in plane in mm", "fold in degrees", "seam", "beyond")
+NOTES = (
+    "from, to: numbers of the nodes, as on the sheets; lengths are exact, without rounding to a tolerance",
+    "kind: fold and inner lie within a piece, fold is folded and inner is only rolled or pressed; cut and seam: joint with the piece "
+    "beyond; crease: joint with a kink; edge: edge of the roof",
+    "angle: between the two triangles of the model along the edge, positive if convex seen from outside; 0 along outlines",
+)
+_HEAD = ("piece", "from", "to", "kind", "length in space in mm", "length in plane in mm", "angle in degrees", "seam", "beyond")
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]], notes: Sequence[str] = ()) -> str:
@@ -58,7 +66,7 @@ def _runs(text: str) -> bool:
 
 def edge_table_text(patterns: Patterns) -> str:
     """Return :func:`edge_table` as CSV."""
-    return csv_text(_HEAD, edge_table(patterns))
+    return csv_text(_HEAD, edge_table(patterns), NOTES)
 
 
 def edge_table(patterns: Patterns) -> list[tuple]:
@@ -67,9 +75,9 @@ def edge_table(patterns: Patterns) -> list[tuple]:
     Returns
     -------
     list of tuple
-        Label of the piece, the two nodes, kind (``fold`` inside a piece; ``cut``, ``seam`` or ``crease`` between pieces;
-        ``edge`` at the boundary), length in space and in the plane [mm], fold angle [degree], number of the seam and label of the
-        neighbouring piece, or empty.
+        Label of the piece, the two nodes, kind (``fold`` inside a piece, or ``inner`` where it is not folded; ``cut``,
+        ``seam`` or ``crease`` between pieces; ``edge`` at the boundary), length in space and in the plane [mm], angle between
+        the faces [degree], number of the seam and label of the neighbouring piece, or empty.
     """
     own = patterns.patchwork
     out = outline_sides(own)
@@ -83,6 +91,7 @@ def edge_table(patterns: Patterns) -> list[tuple]:
     for seam in patterns.seams:
         for a, b in zip(seam.nodes[:-1].tolist(), seam.nodes[1:].tolist()):
             seam_of[min(a, b), max(a, b)] = seam.number
+    creased = folded(patterns, 0.0)
     rows, scale = [], 1e3 * metres(patterns.problem.drawing.units)
     faces, corners = np.nonzero(wanted)
     order = np.lexsort((corners, faces, own.piece[faces]))
@@ -95,9 +104,9 @@ def edge_table(patterns: Patterns) -> list[tuple]:
                 patterns.pieces[own.piece[f]].label,
                 int(own.names[a]),
                 int(own.names[b]),
-                SIDES[own.side[f, c]],
-                repr(float(scale * space[f, c])),
-                repr(float(scale * plane[f, c])),
+                "inner" if own.side[f, c] == EDGE and not creased[f, c] else SIDES[own.side[f, c]],
+                f"{scale * space[f, c]:.9f}",
+                f"{scale * plane[f, c]:.9f}",
                 f"{np.degrees(patterns.folds[f, c]):.4f}",
                 number,
                 beyond,

@@ -16,6 +16,7 @@ from ..fabrication.plain_data import build_data
 from ..fabrication.quad_drawing import draw_quads
 from ..fabrication.quad_tables import beam_text
 from ..fabrication.quad_tables import face_text
+from ..fabrication.quad_tables import quad_notes
 from ..fabrication.quads import PlaneQuads
 from ..fabrication.svg import svg_text
 from ._files import suffix_among
@@ -69,7 +70,7 @@ def _write_dxf(path: str, quads: PlaneQuads) -> None:
     mm, height = 1e3 * metres_per_unit(quads.problem.drawing.units), TEXT * quads.spacing
     document = new_document("Millimeters")
     space = document.modelspace()
-    for name in ("FACES", "BEAMS", "FACE_NUMBERS", "BEAM_NUMBERS", "NODE_NUMBERS"):
+    for name in ("FACES", "BEAMS", "FACE_NUMBERS", "BEAM_NUMBERS", "NODE_NUMBERS", "LEGEND"):
         document.layers.add(name)
 
     def number(text: str, place: FloatArray, size: float, layer: str) -> None:
@@ -85,5 +86,10 @@ def _write_dxf(path: str, quads: PlaneQuads) -> None:
         number(f"B{k}", ends.mean(axis=0), 0.6 * height, "BEAM_NUMBERS")
     for k, place in enumerate(quads.vertices):
         number(str(k), place, 0.5 * height, "NODE_NUMBERS")
+    # Below the model in plan.
+    corner = quads.vertices.min(axis=0)
+    notes = ["model in place, 1:1, in mm; FACES: outlines of faces; BEAMS: axes of beams, between nodes at the faces", *quad_notes(quads)]
+    for row, note in enumerate(notes):
+        number(note, corner - [0.0, (3.0 + 2.0 * row) * 0.5 * height, 0.0], 0.5 * height, "LEGEND")
     show_all(document, mm * quads.vertices)
     document.saveas(path)

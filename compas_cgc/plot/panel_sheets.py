@@ -117,16 +117,19 @@ def panel_figure(own: PanelSheet, title: str = "") -> Figure:
         axes.text(*(at + 0.035 * size * out), side.neighbour, fontsize=8, color="0.4", ha="center", va="center", rotation=angle)
         axes.plot(*corners[k], marker="o", markersize=3, color=INK)
         away = corners[k] - middle
-        axes.text(*(corners[k] + 0.035 * size * away / np.linalg.norm(away)), str(k + 1), fontsize=7, color=INK, ha="center", va="center")
+        number = f"{k + 1} ({own.heights[k]:+.1f})"
+        axes.text(*(corners[k] + 0.045 * size * away / np.linalg.norm(away)), number, fontsize=7, color=INK, ha="center", va="center")
     axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
     figure.text(0.05, 0.95, f"{title} panel {own.fit.panel.name}".strip(), fontsize=13, color=INK, weight="bold")
-    figure.text(0.05, 0.925, "seen from outside in its mean plane, lengths in millimetres", fontsize=7, color=INK)
+    about = "seen from outside in its mean plane, not to scale, lengths in millimetres; no joint is taken off"
+    figure.text(0.05, 0.925, about, fontsize=7, color=INK)
     shape = f"K = {own.K:.6g} 1/m², radius {own.radius:.1f} mm" if own.radius else "plane"
     lines = [
         f"region {own.fit.panel.region}, mould {own.fit.mould}: {shape}",
         f"rectangle {own.size[0]:.1f} x {own.size[1]:.1f} mm, rise over the mean plane {own.rise:.1f} mm, area {own.area:.3f} m²",
-        "inside: lengths of sides along the panel; outside: panels beyond; dashed: diagonals, straight distances between corners",
+        "inside: lengths of sides along the panel; outside: panels beyond; dashed: straight distances between corners; "
+        "at corners: number (height over the mean plane, + to the viewer)",
     ]
     if own.fit.stress is not None:
         breaks = ": the panel breaks" if own.used > 1.0 else ""

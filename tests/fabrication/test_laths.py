@@ -140,9 +140,13 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     document = ezdxf.readfile(tmp_path / "net.laths.dxf")
     assert document.header["$INSUNITS"] == 4
     (title,) = [text.dxf.text for text in document.modelspace().query('TEXT[layer=="SHEET"]')]
-    assert f"{len(net.curves)} laths of 100 x 10 mm, timber; all lengths in mm" in title
+    assert f"{len(net.curves)} laths of 100 x 10 mm, timber, drawn 1:1; all lengths in mm" in title
     legend = {text.dxf.text.split(":")[0] for text in document.modelspace().query('TEXT[layer=="LEGEND"]')}
     assert {item.dxf.layer for item in document.modelspace()} - {"LEGEND"} <= legend
+    text = " ".join(entity.dxf.text for entity in document.modelspace().query('TEXT[layer=="LEGEND"]'))
+    away = {lath.number: np.minimum(lath.stations, lath.length - lath.stations) for lath in lath_schedule(net).laths}
+    cut_short = [f"L{number} at node" for number, own in away.items() if (own < 0.1).any()]
+    assert all(name in text for name in cut_short) and ("closer than the width to an end" in text) == bool(cut_short)
     # The plan has the axes of all laths, at the scale of the model.
     plan = [np.array([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="PLAN"]')]
     assert [np.ptp(line, axis=0) for line in plan] == [pytest.approx(1e3 * np.ptp(own.points[:, :2], axis=0)) for own in net.curves]

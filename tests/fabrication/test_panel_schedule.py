@@ -51,6 +51,11 @@ def test_the_table_has_one_row_per_panel_in_millimetres(report):
     for row, own in zip(rows, sheets):
         assert [float(text) for text in row["sides in mm"].split()] == pytest.approx([side.length for side in own.sides], abs=0.06)
         assert float(row["mould radius in mm"]) == pytest.approx(10_000.0)
+        corners = np.array([[float(value) for value in text.split(", ")] for text in row["corners in mm"][1:-1].split(") (")])
+        assert corners.shape == (len(own.sides), 3) and float(row["stress on 95 % in MPa"]) <= float(row["bending stress in MPa"])
+        for i, j, length in own.diagonals:
+            assert np.linalg.norm(corners[i] - corners[j]) == pytest.approx(length, abs=0.2)
+        assert own.heights.min() < 0.0 < own.heights.max() + own.rise and np.ptp(own.heights) <= own.rise + 1e-6
         places = own.fit.vertices
         longest = 1e3 * np.linalg.norm(places[:, None] - places, axis=2).max()
         assert max(length for _, _, length in own.diagonals) == pytest.approx(longest, rel=1e-3)

@@ -24,6 +24,7 @@ from compas_cgc.fabrication import widest_panel
 from compas_cgc.fabrication.allowance import reach
 from compas_cgc.fabrication.allowance import widened
 from compas_cgc.fabrication.assembly import draw_plan
+from compas_cgc.fabrication.drawing import LETTER_WIDTH
 from compas_cgc.fabrication.figures import in_mm
 from compas_cgc.fabrication.figures import in_square_metres
 from compas_cgc.fabrication.flattening import flattening_constant
@@ -35,6 +36,7 @@ from compas_cgc.fabrication.piece_list import cut_list
 from compas_cgc.fabrication.pieces import best_box
 from compas_cgc.fabrication.seams import opens_to_disks
 from compas_cgc.fabrication.seams import seam_edges
+from compas_cgc.fabrication.tables import edge_table
 from compas_cgc.io.patterns import write_patterns
 
 from ..support.constant_curvature import cone
@@ -484,6 +486,30 @@ def test_sheets_and_cut_list_state_material_and_thickness(tmp_path):
         unroll(vault(), SHEET, rough=True, material=3)  # type: ignore[arg-type]
 
 
+def test_radii_at_rulings_lie_within_their_pieces_apart_from_each_other_and_from_names(cut):
+    shapely = pytest.importorskip("shapely")
+    drawing = draw_sheets(cut)
+    texts = [text for text in drawing.texts if text.layer in ("RULING", "LABEL")]
+    boxes = [shapely.box(*(_around(text)[0]), *(_around(text)[1])) for text in texts]
+    pieces = [shapely.Polygon(line.points) for line in drawing.lines if line.layer == "CUT"]
+    radii = [box for box, text in zip(boxes, texts) if text.layer == "RULING"]
+    assert len(radii) > 0.8 * len(cut.rulings)
+    assert all(any(piece.contains(box) for piece in pieces) for box in radii)
+    tree = shapely.STRtree(boxes)
+    assert all(boxes[i].intersection(boxes[j]).area < 1e-12 for i, j in tree.query(boxes).T.tolist() if i != j)
+
+
+def _around(text):
+    half = 0.5 * text.height * np.array([LETTER_WIDTH * len(text.text), 1.0])
+    return text.place - half, text.place + half
+
+
+def test_the_table_of_edges_calls_edges_of_rolled_pieces_inner(cut):
+    kinds = {row[3] for row in edge_table(cut)}
+    assert "inner" in kinds and "fold" not in kinds
+    assert "fold" in {row[3] for row in edge_table(unroll(irregular_ring(), rulings=0, rough=True))}
+
+
 @pytest.mark.parametrize("turned", [False, True])
 def test_rulings_state_the_radius_and_the_side_of_bending(turned):
     problem = vault()
@@ -504,6 +530,9 @@ def test_sharp_corners_and_pieces_on_the_edge_of_a_sheet_are_named(cut):
     own = unroll(CGCProblem(needle, np.array([[0, 1, 2]])).with_targets(0.0), (4.0, 4.0), rough=True)
     angle = np.degrees(np.arctan2(0.3, 3.0))
     assert f"corners sharper than 15 degrees: A1 ({angle:.1f})" in own.summary() and cut_list(own)[0][-6] == f"{angle:.1f}"
+    # Contours in the middle of the kerf are bevelled at sharp corners.
+    sawn = unroll(CGCProblem(needle, np.array([[0, 1, 2]])).with_targets(0.0), (4.0, 4.0), rough=True, kerf=0.002)
+    assert f"A1 ({angle:.1f})" in sawn.summary()
     assert "corners sharper" not in cut.summary() or min(np.degrees(sharpest_corner(piece)) for piece in cut.pieces) < 15.0
     assert "lie on the edge of their sheet" in cut.summary() and "yes" in {row[-5] for row in cut_list(cut)}
     free = unroll(vault(8), SHEET, rough=True, margin=0.01, rulings=0)

@@ -61,6 +61,9 @@ def unroll(
     allowance: Optional[float] = None,
     per_sheet: Optional[bool] = None,
     whole: Optional[bool] = None,
+    kerf: Optional[float] = None,
+    material: Optional[str] = None,
+    thickness: Optional[float] = None,
 ) -> UnrollOutputs:
     """Unroll a solved surface on sheets, and write them if `write` is true."""
     file = file_to_write(component, path, bool(write) and cgc_mesh is not None)
@@ -72,13 +75,23 @@ def unroll(
 
     def work(report: Report, last: Last) -> Finished:
         patterns = unroll_surface(
-            cgc_mesh, sheet, strain=strain or None, spacing=spacing, margin=margin or 0.0, allowance=allowance or 0.0, whole=bool(whole)
+            cgc_mesh,
+            sheet,
+            strain=strain or None,
+            spacing=spacing,
+            margin=margin or 0.0,
+            allowance=allowance or 0.0,
+            whole=bool(whole),
+            kerf=kerf or 0.0,
+            material=material or "",
+            thickness=thickness or 0.0,
         )
         if file is not None:
             write_patterns(file, patterns, per_sheet=bool(per_sheet))
         return _drawn(patterns, file is not None)
 
-    return _RUNNER.outputs(component, (cgc_mesh, sheet, strain, spacing, file, margin, allowance, per_sheet, whole), work).outputs
+    given = (cgc_mesh, sheet, strain, spacing, file, margin, allowance, per_sheet, whole, kerf, material, thickness)
+    return _RUNNER.outputs(component, given, work).outputs
 
 
 def _drawn(patterns: Patterns, written: bool) -> Finished:

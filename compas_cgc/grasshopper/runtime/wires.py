@@ -107,8 +107,23 @@ _TEXT = Wire(_is_text, "a text, from a panel or a value list")
 _NUMBER = Wire(_is_number, "a number")
 
 _AMOUNTS = (
-    *("allowance", "area", "aside", "below", "clearance", "crease_stiffness", "depth", "edge_length", "filter_radius", "height", "length"),
-    *("limit", "margin", "nearness", "panel", "pressure", "rise", "s", "size", "smoothness", "spacing", "strain", "thickness", "tolerance"),
+    *("allowance", "area", "aside", "below", "clearance", "crease_stiffness", "depth", "edge_length", "filter_radius", "height", "kerf"),
+    *(
+        "length",
+        "limit",
+        "margin",
+        "nearness",
+        "panel",
+        "pressure",
+        "rise",
+        "s",
+        "size",
+        "smoothness",
+        "spacing",
+        "strain",
+        "thickness",
+        "tolerance",
+    ),
     *("volume", "weight", "width"),
 )
 

@@ -29,7 +29,16 @@ __all__ = ["BUILD_FUNCTIONS"]
 
 # Options by name of the input; zero and an empty input select the default.
 MOULD = {"Count": "count", "Size": "size", "Along": "along", "Material": "material", "Thickness": "thickness"}
-UNROLL = {"Strain": "strain", "Spacing": "spacing", "Margin": "margin", "Allowance": "allowance", "Whole": "whole"}
+UNROLL = {
+    "Strain": "strain",
+    "Spacing": "spacing",
+    "Margin": "margin",
+    "Allowance": "allowance",
+    "Whole": "whole",
+    "Kerf": "kerf",
+    "Material": "material",
+    "Thickness": "thickness",
+}
 MEMBRANE = {"Pressure": "pressure", "Weight": "weight", "EdgeBeams": "edge_beams"}
 QUADS = {"Spacing": "spacing", "Depth": "depth"}
 NET = {"Spacing": "spacing", "Through": "through", "Kind": "kind"}

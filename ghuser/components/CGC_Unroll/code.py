@@ -26,8 +26,12 @@ class Unroll(Grasshopper.Kernel.GH_ScriptInstance):
         allowance: float,
         per_sheet: bool,
         whole: bool,
+        kerf: float,
+        material: str,
+        thickness: float,
     ):
-        out = unroll(ghenv.Component, cgc_mesh, length, width, strain, spacing, path, write, margin, allowance, per_sheet, whole)  # noqa: F821
+        sheets = (length, width, strain, spacing, path, write, margin, allowance, per_sheet, whole, kerf, material, thickness)
+        out = unroll(ghenv.Component, cgc_mesh, *sheets)  # noqa: F821
         return (
             out.outlines,
             out.folds,

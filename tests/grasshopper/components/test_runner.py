@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import gc
 import sys
 import threading
@@ -308,6 +309,18 @@ def vault(n):
     """Return a barrel vault, which unrolls."""
     flat = grid(n, "boundary", 0.0)
     return flat.with_vertices(flat.vertices + np.outer(flat.vertices[:, 0] * (9.0 - flat.vertices[:, 0]), [0.0, 0.0, 0.05]))
+
+
+def test_cut_sheets_state_material_and_thickness_and_leave_room_for_the_kerf(tmp_path):
+    pytest.importorskip("shapely")
+    path = tmp_path / "cut.list.csv"
+    given = dict(length=4.0, width=2.0, kerf=0.004, material="birch plywood", thickness=9.0, path=str(path), write=True)
+    placed = place("Unroll")
+    out = placed.settle(cgc_mesh=WireMesh(vault(9)), **given)
+    assert not placed.said("Error") and "material: birch plywood, 9 mm thick" in out["report"]
+    for rows in (list(csv.DictReader(out["cut_list"])), list(csv.DictReader(path.open()))):
+        assert {(row["material"], row["thickness in mm"]) for row in rows} == {("birch plywood", "9")} and len(rows) == len(out["pieces"])
+    assert len(out["allowances"]) == len(out["outlines"]) > 0 and not placed.settle(cgc_mesh=WireMesh(vault(9)), kerf=0.0)["allowances"]
 
 
 # ----------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+
 import numpy as np
 import pytest
 import rhino3dm
@@ -83,6 +85,19 @@ def test_sheets_have_margins_and_allowances(hops):
     around = [np.linalg.norm(own - np.roll(own, 1, axis=0), axis=1).sum() for piece in patterns.pieces for own in piece.allowance]
     assert np.allclose(lengths(outputs["Allowances"]), around, rtol=1e-9)
     assert outputs["Sheet"] == [piece.sheet for piece in patterns.pieces] and len(outputs["CutList"]) == 1 + len(patterns.pieces)
+
+
+def test_the_cut_list_names_material_and_thickness_and_contours_lie_in_the_kerf(hops):
+    pytest.importorskip("shapely")
+    shape = cone(6, 24)
+    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 3.0, "Width": 1.5}
+    status, outputs, errors, _ = hops("unroll").solve(**given, Kerf=0.004, Material="birch plywood", Thickness=9.0)
+    patterns = unroll(problem(shape, 0.0), (3.0, 1.5), kerf=0.004, material="birch plywood", thickness=9.0)
+    assert (status, errors) == (200, []) and "material: birch plywood, 9 mm thick" in outputs["Info"][0]
+    rows = list(csv.DictReader(outputs["CutList"]))
+    assert {(row["material"], row["thickness in mm"]) for row in rows} == {("birch plywood", "9")}
+    around = [np.linalg.norm(own - np.roll(own, 1, axis=0), axis=1).sum() for piece in patterns.pieces for own in piece.allowance]
+    assert np.allclose(lengths(outputs["Allowances"]), around, rtol=1e-9)
 
 
 def test_a_panel_that_is_kept_whole_is_refused_on_a_smaller_sheet(hops):
