@@ -49,7 +49,7 @@ class Sweeps:
 
     def __init__(self, lower: sparse.csc_matrix, diagonal: FloatArray):
         n = len(diagonal)
-        first = _first_columns(lower)
+        first = np.flatnonzero(_begins_panel(lower.indptr, lower.indices))
         last = np.append(first[1:], n) - 1
         columns = first[:, None] + np.arange(PANEL_WIDTH)
         self._columns = np.where(columns <= last[:, None], columns, n)
@@ -75,15 +75,21 @@ class Sweeps:
         return x[:n, :k]
 
 
-def _first_columns(lower: sparse.csc_matrix) -> IntArray:
-    """Return the first column of every panel (p,)."""
-    size = np.diff(lower.indptr)
-    column = np.repeat(np.arange(len(size)), size)
-    joined = np.bincount(column[lower.indices == column + 1], minlength=len(size))[:-1] > 0
-    with_next = np.append(False, joined & (size[1:] - (size[:-1] - 1) <= MAX_PADDING * size[1:]))
-    at = np.arange(len(size))
-    begin = np.maximum.accumulate(np.where(with_next, 0, at))
-    return np.flatnonzero((at - begin) % PANEL_WIDTH == 0)
+@kernel()
+def _begins_panel(indptr: CSRIndices, indices: CSRIndices) -> NDArray[np.bool_]:
+    """Mark the columns that are the first of their panel (n,)."""
+    n = len(indptr) - 1
+    begins = np.ones(n, np.bool_)
+    width = 1
+    for j in range(1, n):
+        before, size = indptr[j] - indptr[j - 1], indptr[j + 1] - indptr[j]
+        joins = False
+        if width < PANEL_WIDTH and size - (before - 1) <= MAX_PADDING * size:
+            for at in range(indptr[j - 1], indptr[j]):
+                joins = joins or indices[at] == j
+        begins[j] = not joins
+        width = width + 1 if joins else 1
+    return begins
 
 
 @kernel()

@@ -32,6 +32,7 @@ RELAXATIONS = 2  # at most, towards the surface of least energy
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
 STARTS = 3  # clusterings that are improved
+SAME = 0.01  # part of the panels, by which two clusterings differ that lead to the same surface
 ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
@@ -194,7 +195,7 @@ def catalogue(radii: Sequence[float]) -> FloatArray:
 
 
 def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Placed]:
-    """Return the surfaces of those of several clusterings that the linear model predicts nearest to the design."""
+    """Return the different surfaces of those of several clusterings that the linear model predicts nearest to the design."""
     areas = moves.panel_areas()
     nothing = np.zeros(len(moves.columns))
     sensitivities = moves.sensitivities(nothing, design)
@@ -215,8 +216,18 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
             assigned = Assignment(values, own, kept, locked)
             predicted = constant + sensitivities.forward(assigned.K)
             found.append(Placed(assigned, predicted, _norm(moves, predicted)))
-    promising = sorted(found, key=lambda placed: placed.norm)[:STARTS]
+    promising: list[Placed] = []
+    for placed in sorted(found, key=lambda placed: placed.norm)[:STARTS]:
+        # Clusterings of many panels often end in the same classes; the K of the moulds are fitted later.
+        if all(_moved(placed.assigned, other.assigned) > SAME * moves.panels for other in promising):
+            promising.append(placed)
     return [_solved(moves, placed.assigned, placed.moves) for placed in promising]
+
+
+def _moved(one: Assignment, other: Assignment) -> int:
+    """Return the number of panels that have another mould in another assignment, where moulds count by the order of their K."""
+    ranks = [np.argsort(np.argsort(own.values, kind="stable"))[own.classes] for own in (one, other)]
+    return int((ranks[0] != ranks[1]).sum())
 
 
 def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
@@ -225,7 +236,7 @@ def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Place
     for _ in range(RELAXATIONS):
         if not np.isfinite(best.norm):
             break
-        relaxed = _placed(moves, assigned, moves.relaxed(best.moves, assigned.K))
+        relaxed = _placed(moves, assigned, moves.relaxed(best.moves, assigned.K, STEPS))
         if not relaxed.norm < ENOUGH * best.norm:
             break
         best = relaxed
@@ -236,10 +247,10 @@ def _placed(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Place
     """Return an assignment with a surface near given moves, of infinite norm where there is none."""
     here = near
     for _ in range(LINEARISATIONS):
-        here = moves.newton(here, assigned.K, STEPS)
         if moves.error(here, assigned.K) <= CLOSE:
             return Placed(assigned, here, _norm(moves, here))
-    return Placed(assigned, here, np.inf)
+        here = moves.newton(here, assigned.K, STEPS)
+    return Placed(assigned, here, _norm(moves, here) if moves.error(here, assigned.K) <= CLOSE else np.inf)
 
 
 def _norm(moves: NormalMoves, own: FloatArray) -> float:

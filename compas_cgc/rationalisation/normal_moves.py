@@ -141,18 +141,24 @@ class NormalMoves:
         residual, areas = self._measured(moves, K)
         return float(np.abs(residual / areas).max(initial=0.0)) * self.size**2
 
-    def relaxed(self, moves: FloatArray, K: FloatArray) -> FloatArray:
-        """Return the moves (c,) of least energy with the K (p,) of the panels, to first order about moves (c,)."""
+    def relaxed(self, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
+        """Return the moves (c,) of least energy with the K (p,) of the panels, to first order about moves (c,), then with steps to K.
+
+        All use the same factors.
+        """
         system = self._linearised(moves, K)
-        return system.solved((system.jacobian @ moves - system.residual)[:, None])[:, 0]
+        least = system.solved((system.jacobian @ moves - system.residual)[:, None])[:, 0]
+        return self._stepped(system, least, K, steps)
 
     def newton(self, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
         """Return the moves (c,) after steps to the K (p,) of the panels, each by the change of least energy.
 
         All steps use the factors of the first. A step that would increase the deviations from K is halved.
         """
-        system = self._linearised(moves, K)
-        residual = system.residual
+        return self._stepped(self._linearised(moves, K), moves, K, steps)
+
+    def _stepped(self, system: _Linearised, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
+        residual = self._measured(moves, K)[0]
         for _ in range(steps):
             change = system.solved(residual[:, None])[:, 0]
             length = 1.0
@@ -198,7 +204,8 @@ class NormalMoves:
             + self._bending
             + jacobian.T @ sparse.diags(penalties) @ jacobian
         )
-        return _Linearised(factorise(matrix.tocsr(), symmetric=True, refine=False), jacobian, residual, areas, penalties)
+        places = self.vertices[self.columns]
+        return _Linearised(factorise(matrix.tocsr(), symmetric=True, points=places, refine=False), jacobian, residual, areas, penalties)
 
 
 class _Linearised(NamedTuple):

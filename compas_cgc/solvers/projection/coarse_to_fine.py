@@ -139,7 +139,7 @@ def kept_on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optiona
     settings
         Parameters.
     """
-    if len(problem.vertices) < LARGE or _is_flat(problem.vertices):
+    if settings.keep == "shape" or len(problem.vertices) < LARGE or _is_flat(problem.vertices):
         return None
     coarse = _coarsened(problem)
     if coarse is None:
