@@ -11,6 +11,7 @@ from scipy import sparse
 from ..discrete import boundary_vertices
 from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Mask
 from ..discrete.arrays import Vertices
 from ..discrete.laplacian import cotangent_laplacian
 from ..discrete.space_form import SpaceFormEquations
@@ -20,14 +21,14 @@ from ..linalg import factorise
 from ..meshing.even_triangles import even_triangles
 from ..model.problem import CGCProblem
 
-__all__ = ["closed", "closed_anew", "unrollable"]
+__all__ = ["closed", "closed_anew", "closed_with_edges", "unrollable"]
 
 STEPS, HALVINGS = 30, 6
 REMESHING_ROUNDS = 4  # rounds with new triangles
 CLOSING_TOLERANCE = 1e-12  # norm of the deviations of vertex angle sums from 2 pi [rad]
 ROUNDING_FACTOR = 1e3  # factor on the tolerance that rounding requires on large meshes
 SMOOTH = 0.1  # length relative to the size: shorter waves of a move are avoided
-MAX_MOVE = 0.01  # move to the surface that unrolls, relative to the size, above which the surface was not solved for K = 0
+MAX_MOVE = 0.01  # smooth move to triangles that close, relative to the size, above which the surface was not solved for its targets
 MAX_STEP = 0.5  # largest step of a vertex relative to the mean edge length
 
 
@@ -62,12 +63,27 @@ def unrollable(problem: CGCProblem) -> CGCProblem:
     Without the measure ``exact`` a solve meets K = 0 to second order in the edge length, and the surface moves by as much. It moves
     smoothly, by least second differences. Where it would move far, or where there is no such surface, it is returned as it is.
     """
+    moved = _smoothly_moved(problem, problem.asked & (problem.targets == 0.0))
+    return problem if moved is None else moved
+
+
+def closed_with_edges(problem: CGCProblem) -> Optional[CGCProblem]:
+    """Return the nearest surface whose triangles close, with free edges and creases moved too, None if there is none nearby.
+
+    The surface moves smoothly, by least second differences. On regular meshes along asymptotic curves :func:`closed` fails: with fixed
+    edges, moves of neighbouring vertices in opposite directions hardly change the angles around them.
+    """
+    return _smoothly_moved(problem, problem.asked & np.isfinite(problem.targets))
+
+
+def _smoothly_moved(problem: CGCProblem, wanted: Mask) -> Optional[CGCProblem]:
+    """Return the nearest surface on which triangles close around the vertices wanted (n,), None if that is far or not reached."""
     used = np.bincount(problem.faces.ravel(), minlength=len(problem.vertices)) > 0
-    flat = problem.asked & (problem.targets == 0.0) & used & ~boundary_vertices(problem.vertices, problem.faces)
-    rows, columns = np.flatnonzero(flat), np.flatnonzero(problem.movable)
-    if not len(rows):
-        return problem
-    equations = SpaceFormEquations(problem.faces, np.zeros(len(problem.vertices)), rows, columns)
+    inner = wanted & used & ~boundary_vertices(problem.vertices, problem.faces)
+    rows, columns = np.flatnonzero(inner), np.flatnonzero(problem.movable)
+    equations = SpaceFormEquations(problem.faces, np.where(inner, problem.targets, 0.0), rows, columns)
+    if not len(rows) or equations.too_large(problem.vertices) is not None:
+        return None
     here, rest = problem.vertices, equations.residual(problem.vertices)
     size = float(np.linalg.norm(np.ptp(here, axis=0)))
     L, area = cotangent_laplacian(here, problem.faces), vertex_areas(here, problem.faces)
@@ -81,7 +97,7 @@ def unrollable(problem: CGCProblem) -> CGCProblem:
         try:
             solution = factorise(saddle).solve(np.concatenate([np.zeros(3 * len(columns)), -rest]))
         except SingularMatrixError:
-            return problem
+            return None
         there = here.copy()
         there[columns] += solution[: 3 * len(columns)].reshape(-1, 3)
         left = equations.residual(there)
@@ -89,7 +105,7 @@ def unrollable(problem: CGCProblem) -> CGCProblem:
             break
         here, rest = there, left
     near = float(np.linalg.norm(here - problem.vertices, axis=1).max(initial=0.0)) <= MAX_MOVE * size
-    return problem.with_vertices(here) if near and float(np.linalg.norm(rest)) <= ROUNDING_FACTOR * CLOSING_TOLERANCE else problem
+    return problem.with_vertices(here) if near and float(np.linalg.norm(rest)) <= ROUNDING_FACTOR * CLOSING_TOLERANCE else None
 
 
 def _slid(problem: CGCProblem) -> tuple[CGCProblem, bool]:

@@ -36,6 +36,7 @@ from .balance import mean_size
 from .balance import pull_of
 from .closing import closed
 from .closing import closed_anew
+from .closing import closed_with_edges
 from .layout import among
 from .loads import nodal_load
 from .materials import metres_per_unit
@@ -212,13 +213,20 @@ def membrane(
         raise CGCError("the load is zero; give a pressure, a weight or both")
     _check(problem, problem.region_targets())
     state = _state(problem, pressure, weight, edge_beams)
+    if state.imbalance > BALANCE_TOLERANCE:
+        # Far from a balance, another mesh does not help.
+        nearby = closed_with_edges(problem) if close and state.imbalance < MAX_CORRECTION else None
+        exact = _state(nearby, pressure, weight, edge_beams) if nearby is not None and (rough or verdict(nearby).fair) else state
+        if exact.imbalance > BALANCE_TOLERANCE:
+            raise CGCError(_no_state(exact.imbalance, edge_beams))
+        return _slid(exact, state)
     if not (close and state.correction > MAX_CORRECTION):
         return state
     for close_triangles in (closed, closed_anew):
         nearby = close_triangles(problem)
         if nearby is not None and (rough or verdict(nearby).fair):
             exact = _state(nearby, pressure, weight, edge_beams)
-            if exact.correction <= MIN_IMPROVEMENT * state.correction:
+            if exact.imbalance <= BALANCE_TOLERANCE and exact.correction <= MIN_IMPROVEMENT * state.correction:
                 return _slid(exact, state)
     return state
 
@@ -233,10 +241,13 @@ def _slid(exact: MembraneState, state: MembraneState) -> MembraneState:
     off = 0.5 * np.abs(np.einsum("ij,ij->i", move, normals))
     unit = 1e3 * metres_per_unit(problem.drawing.units)
     far, away = float(np.linalg.norm(move, axis=1).max()), float(off.max())
+    if state.imbalance > BALANCE_TOLERANCE:
+        without = f"before, no edge forces balanced the load (residual {100 * state.imbalance:.2g} % of it); free edges moved as well"
+    else:
+        without = f"without sliding, equilibrium needs edge forces that deviate from the formula by {100 * state.correction:.3g} %"
     said = (
         f"vertices were slid by up to {unit * far:.3g} mm along the surface, and by up to {unit * away:.2g} mm off it, until triangles "
-        f"close as with the measure exact{_turned(problem.faces, slid.faces)}; without sliding, equilibrium needs edge forces that "
-        f"deviate from the formula by {100 * state.correction:.3g} %"
+        f"close as with the measure exact{_turned(problem.faces, slid.faces)}; {without}"
     )
     return replace(exact, moved=far, remarks=(said, *exact.remarks))
 
@@ -248,7 +259,7 @@ def _turned(before: Faces, after: Faces) -> str:
 
 
 def _state(problem: CGCProblem, pressure: float, weight: float, edge_beams: bool) -> MembraneState:
-    """Return the membrane state of a surface without sliding."""
+    """Return the membrane state of a surface without sliding, which may be out of balance."""
     V, F = problem.vertices, problem.faces
     targets, label = problem.region_targets(), problem.regions()
     bars, on = _bars(problem)
@@ -268,8 +279,6 @@ def _state(problem: CGCProblem, pressure: float, weight: float, edge_beams: bool
         bars, start = np.vstack([bars, _rim_bars(F, rim)]), np.r_[start, np.zeros(len(rim))]
     forces, before, after = in_balance(V, F, bars, start, load, balanced)
     size = mean_size(load)
-    if after > BALANCE_TOLERANCE:
-        raise CGCError(_no_state(after, edge_beams))
     tensors = stress_of_bars(V, F, bars, forces)
     if weight == 0.0:
         tensors = stress_by_formula(problem, label, curvature, pressure)

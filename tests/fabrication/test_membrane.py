@@ -19,6 +19,7 @@ from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication.closing import closed
 from compas_cgc.fabrication.membrane_fields import principal_forces
 from compas_cgc.io.forces import write_forces
+from compas_cgc.model.roles import FIXED
 from compas_cgc.model.verdict import verdict
 
 from ..support.constant_curvature import cone
@@ -269,3 +270,17 @@ def test_where_there_is_no_membrane_state_a_sentence_says_why(call, sentence):
 def test_free_edges_are_said_to_need_beams():
     state = membrane(unsupported(), 1.0)
     assert any("edge beam" in remark for remark in state.remarks)
+
+
+def test_a_saddle_along_the_mesh_is_balanced_with_small_corrections():
+    """Asymptotic curves along the diagonals of a grid: alternating moves of its vertices hardly stretch an edge."""
+    largest = []
+    for n in (16, 24, 32):
+        saddle = solve(CGCProblem(*grid(n, 15.0)).with_supports("corners").with_targets(-0.01))
+        state = membrane(saddle, pressure=-1.5)
+        assert state.imbalance < 1e-9 and state.correction < 0.05
+        assert state.moved < 0.001 * 15.0 and verdict(state.problem).fair
+        free = saddle.problem.roles != FIXED
+        assert np.array_equal(state.problem.vertices[~free], saddle.problem.vertices[~free])
+        largest.append(np.abs(state.forces).max())
+    assert np.allclose(largest, largest[-1], rtol=0.1)
