@@ -19,9 +19,9 @@ __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
 Repeat -o to write several files. A .3dm file contains maps of the principal forces N1 and N2, crosses in their directions, reactions
-and line loads. An .inp file is an input of CalculiX and Abaqus with one step per load case; --results reads the results of CalculiX.
-A .json file is the mesh as COMPAS data with its forces. Tension is positive. The unit of the forces is the unit of the load times the
-length unit of the file.
+and line loads. An .inp file is an input of CalculiX and Abaqus with one step per load case; --results reads the results of CalculiX
+for it, with the thickness in the .inp file beside them. A .json file is the mesh as COMPAS data with its forces. Tension is positive. The
+unit of the forces is the unit of the load times the length unit of the file.
 
 examples:
   compas-cgc membrane dome_solved.3dm -o dome_forces.3dm --pressure -1.5
@@ -48,12 +48,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..fabrication.materials import metres_per_unit
     from ..io.frd import with_results
-    from ..io.inp import Model
 
     def revised(state: MembraneState, settings: Mapping[str, Any]) -> MembraneState:
         if not arguments.results:
             return state
-        thickness = 1e-3 * settings.get("thickness", Model().thickness) / metres_per_unit(state.problem.drawing.units)
+        # Without the option, the .inp file beside the results states it.
+        given = settings.get("thickness")
+        thickness = None if given is None else 1e-3 * given / metres_per_unit(state.problem.drawing.units)
         return with_results(state, arguments.results, thickness, arguments.case)
 
     return build_and_write(arguments, "membrane", arguments.supports, revised)

@@ -11,8 +11,8 @@ from .building import build_and_write
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-The curves are lines of curvature where K > 0, an asymptotic net with equal sides where K < 0, and rulings where K = 0. Repeat -o to
-write several files.
+The curves are lines of curvature where K > 0, an asymptotic net with equal sides where K < 0, and rulings where K = 0. A .dxf is
+in millimetres. Repeat -o to write several files.
 
 examples:
   compas-cgc net saddle_solved.3dm -o laths.3dm --spacing 1.0

@@ -6,6 +6,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
+from typing import Optional
 from typing import Union
 
 import numpy as np
@@ -98,7 +99,7 @@ def _at_corners(values: dict[int, list[float]], corners: list[list[int]]) -> Flo
     return np.array([np.mean([[values[node] for node in own[k : k + 3]] for k in range(0, len(own), 3)], axis=0) for own in corners])
 
 
-def with_results(state: MembraneState, path: Union[str, os.PathLike], thickness: float, step: int = 1) -> MembraneState:
+def with_results(state: MembraneState, path: Union[str, os.PathLike], thickness: Optional[float] = None, step: int = 1) -> MembraneState:
     """Return a state with the principal forces that CalculiX computed, for the same files and pictures.
 
     Parameters
@@ -108,7 +109,7 @@ def with_results(state: MembraneState, path: Union[str, os.PathLike], thickness:
     path
         Result file (.frd).
     thickness
-        Thickness of the membrane in the model [L].
+        Thickness of the membrane in the model [L]. Default: that in the .inp file of the same name beside the results.
     step
         Number of the load case, from 1.
 
@@ -120,14 +121,15 @@ def with_results(state: MembraneState, path: Union[str, os.PathLike], thickness:
     Raises
     ------
     FileError
-        If the file does not fit the surface or has no such step.
+        If the file does not fit the surface or has no such step, or the thickness is unknown or not that of the .inp file.
     """
+    thick = _checked_thickness(Path(path), thickness)
     V, F = state.problem.vertices, state.problem.faces
     steps = read_frd(path, len(F))
     if not 1 <= step <= len(steps):
         raise FileError(f"{path} has load cases 1 to {len(steps)}, not {step}")
     own = steps[step - 1]
-    forces, directions = principal_forces(thickness * own.stresses, face_normals(V, F))
+    forces, directions = principal_forces(thick * own.stresses, face_normals(V, F))
     off = np.abs(forces - state.forces).max(axis=1) / np.abs(state.forces).max(axis=1)
     remark = (
         f"N1 and N2 are those of load case {step} in {Path(path).name}; they differ from the membrane forces in equilibrium by "
@@ -135,6 +137,22 @@ def with_results(state: MembraneState, path: Union[str, os.PathLike], thickness:
         f"{np.linalg.norm(own.displacements, axis=2).max():.3g}"
     )
     return replace(state, forces=forces, directions=directions, remarks=(*state.remarks, remark))
+
+
+def _checked_thickness(path: Path, given: Optional[float]) -> float:
+    """Return the thickness of the membrane in the model that led to results."""
+    model = path.with_suffix(".inp")
+    try:
+        lines = model.read_text("ascii", "replace").splitlines()
+    except OSError:
+        lines = []
+    sections = [k for k, line in enumerate(lines) if line.startswith("*MEMBRANE SECTION")]
+    written = float(lines[sections[0] + 1].split(",")[0]) if sections else None
+    if written is None and given is None:
+        raise FileError(f"there is no {model.name} beside {path.name}, which states the thickness of the membrane; give the thickness")
+    if written is not None and given is not None and abs(written - given) > 1e-6 * written:
+        raise FileError(f"{model.name} has a membrane {written:g} thick, not {given:g}, in model units; omit the thickness")
+    return float(written if written is not None else given or 0.0)
 
 
 def _tensors(components: FloatArray) -> FloatArray:

@@ -18,6 +18,7 @@ from ..fabrication.dxf import show_all
 from ..fabrication.lath_files import draw_laths
 from ..fabrication.lath_files import schedule_text
 from ..fabrication.laths import lath_schedule
+from ..fabrication.materials import metres_per_unit
 from ..fabrication.plain_data import build_data
 from ._files import suffix_among
 from .formats import OUTPUTS
@@ -31,8 +32,8 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet, **laths: Any) -> Non
     Parameters
     ----------
     path
-        A .3dm or .dxf with one layer per kind and family, a .json with points, lengths and nodes, a .laths.csv with the stations of
-        nodes along asymptotic laths, or a .laths.dxf with the straight strips.
+        A .3dm, or a .dxf in millimetres, with one layer per kind and family, a .json with points, lengths and nodes, a .laths.csv with
+        the stations of nodes along asymptotic laths, or a .laths.dxf with the straight strips.
     net
         Curves from :func:`compas_cgc.fabrication.curve_net`.
     laths
@@ -65,12 +66,13 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet, **laths: Any) -> Non
 
 
 def _write_dxf(path: str, net: CurveNet) -> None:
-    document = new_document(net.problem.drawing.units)
+    mm = 1e3 * metres_per_unit(net.problem.drawing.units)
+    document = new_document("Millimeters")
     space = document.modelspace()
     for curve in net.curves:
         layer = f"{plural(curve.kind)} {curve.family + 1}".upper().replace(" ", "_")
         if layer not in document.layers:
             document.layers.add(layer)
-        space.add_polyline3d(curve.points.tolist(), dxfattribs={"layer": layer})
-    show_all(document, np.vstack([curve.points for curve in net.curves]))
+        space.add_polyline3d((mm * curve.points).tolist(), dxfattribs={"layer": layer})
+    show_all(document, mm * np.vstack([curve.points for curve in net.curves]))
     document.saveas(path)

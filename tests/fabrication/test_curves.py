@@ -229,6 +229,16 @@ def test_files_hold_the_curves(suffix, tmp_path):
     assert found == [len(curve.points) for curve in net.curves]
 
 
+def test_drawings_of_curves_are_in_millimetres(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    net = curve_net(replace(patch(12, -0.02), drawing=Drawing(units="Feet")), 1.0)
+    write_net(tmp_path / "net.dxf", net)
+    document = ezdxf.readfile(tmp_path / "net.dxf")
+    (first, *_) = document.modelspace().query("POLYLINE")
+    assert document.header["$INSUNITS"] == 4
+    assert np.allclose([list(point) for point in first.points()], 304.8 * net.curves[0].points)
+
+
 def sphere() -> CGCProblem:
     vertices, faces = grid(8, 4.0)
     vertices[:, :2] -= 2.0

@@ -112,6 +112,13 @@ def test_calculix_carries_every_load_case_to_the_supports(tmp_path, K, supports)
     assert "load case 1 in roof.frd" in revised.remarks[-1]
     with pytest.raises(FileError, match="load cases 1 to 4, not 5"):
         with_results(state, tmp_path / "roof.frd", 0.01, 5)
+    # The model states the thickness.
+    assert np.array_equal(with_results(state, tmp_path / "roof.frd").forces, revised.forces)
+    with pytest.raises(FileError, match=r"roof.inp has a membrane 0.01 thick, not 0.02"):
+        with_results(state, tmp_path / "roof.frd", 0.02)
+    (tmp_path / "roof.inp").unlink()
+    with pytest.raises(FileError, match=r"there is no roof.inp beside roof.frd"):
+        with_results(state, tmp_path / "roof.frd")
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
