@@ -105,7 +105,7 @@ def mesh_from_outline(
     if edge_length > extent > 0.0:
         raise MeshError(
             f"the edge length {edge_length:g} is larger than the outline, whose size is {extent:.3g}; use a shorter edge, "
-            "and check that the outline and the edge length have the same unit"
+            f"such as {extent / 20:.2g}, and check that the outline and the edge length have the same unit"
         )
     if not domain.is_valid or domain.area < edge_length**2:
         raise MeshError(f"the outline and its holes do not enclose an area that can be meshed: {_fault(domain, outline, edge_length)}")

@@ -24,6 +24,7 @@ from ..execution.pool import WorkerPool
 from ..execution.protocol import AnyExecutor
 from .api.designs import designs
 from .api.mesh_files import warm_up_io
+from .api.remedies import named
 from .api.requests import READERS
 from .api.responses import respond
 from .api.routes import api
@@ -185,4 +186,5 @@ def _bug(error: Exception) -> Response:
 def _error(message: str, status: int, headers: Optional[dict] = None) -> Response:
     # Hops takes every path for that of a function.
     asks_for_function = request.method in ("GET", "HEAD") and not request.path.startswith("/api/")
-    return respond(error_body(message, **(no_function(message) if asks_for_function else {})), status, headers)
+    more = {"remedies": found} if (found := named([message])) else {}
+    return respond(error_body(message, **more, **(no_function(message) if asks_for_function else {})), status, headers)

@@ -6,6 +6,7 @@ import time
 from typing import Optional
 
 from ..jobs.store import Job
+from .remedies import named
 
 __all__ = ["status"]
 
@@ -29,6 +30,7 @@ def status(job: Job, position: Optional[int] = None) -> dict:
         "elapsed": None if job.started is None else (job.finished or time.time()) - job.started,
         "created": job.created,
         "message": job.message,
+        "remedies": named([job.message]) if job.state == "failed" and job.message else [],
         "has_result": job.size is not None,
     }
 

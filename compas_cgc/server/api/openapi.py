@@ -12,6 +12,7 @@ from .moulds import MOULD_FORMATS
 from .moulds import MOULD_OPTIONS
 from .result_schemas import RESULT_SCHEMAS
 from .schemas import BYTES
+from .schemas import CURVATURES
 from .schemas import DESIGN
 from .schemas import DESIGN_LIST
 from .schemas import JOB
@@ -60,6 +61,7 @@ OPERATIONS = {
     ("post", "/api/v1/models"): "readModel",
     ("post", "/api/v1/plans"): "readPlan",
     ("post", "/api/v1/drawings"): "meshDrawing",
+    ("post", "/api/v1/curvatures"): "measureCurvatures",
     ("get", "/api/v1/examples"): "listExamples",
     ("get", "/api/v1/examples/{name}"): "getExample",
 }
@@ -257,6 +259,14 @@ def _description() -> dict:
                 "post": {
                     **_operation("Mesh a drawing", {"200": _json({"$ref": model})}, "400", "401", "413", "415", "422", "429"),
                     "requestBody": {"required": True, "content": {"application/json": {"schema": drawing_schema()}}},
+                },
+            },
+            "/api/v1/curvatures": {
+                "post": {
+                    **_operation(
+                        "Return the curvatures of a surface", {"200": _json(CURVATURES)}, "400", "401", "413", "415", "422", "429"
+                    ),
+                    "requestBody": {"required": True, "content": {"application/json": {"schema": {"$ref": request}}}},
                 },
             },
             "/api/v1/examples": {

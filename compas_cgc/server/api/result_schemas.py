@@ -16,6 +16,7 @@ from ...analysis import Verdict
 from ...model.result import STATUSES
 from ...model.result import History
 from ...model.roles import ROLES
+from .remedies import REMEDIES
 
 __all__ = ["PACKED", "RESULT_SCHEMAS"]
 
@@ -79,8 +80,9 @@ _VERDICT = _schema_of(Verdict)
 _VERDICT["properties"] = {"word": {"enum": ["fair", "rough"]}, **_VERDICT["properties"]}
 _REPORT = _object(
     "notes",
-    "verdict measure other_measures regions quality max_error moved_max moved_mean",
+    "remedies verdict measure other_measures regions quality max_error moved_max moved_mean",
     notes={**TEXTS, "description": "changes made to the input"},
+    remedies=REMEDIES,
     verdict={"$ref": "#/components/schemas/Verdict"},
     measure=PLAIN[str],
     other_measures={"type": "object", "additionalProperties": NUMBER, "description": "largest error of K by other measures [1/L^2]"},

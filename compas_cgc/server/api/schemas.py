@@ -12,11 +12,13 @@ from .builds import TASK_NAMES
 from .builds import tasks
 from .methods import settings_schema
 from .options import USER_ROLES
+from .remedies import REMEDIES
 from .result_schemas import PACKED
 from .units import UNITS
 
 __all__ = [
     "BYTES",
+    "CURVATURES",
     "DESIGN",
     "DESIGN_LIST",
     "JOB",
@@ -62,6 +64,7 @@ JOB = {
         "elapsed": {"type": ["number", "null"], "description": "seconds"},
         "created": {"type": "number", "description": "seconds since 1970"},
         "message": {"type": ["string", "null"], "description": "one sentence, when the job is finished"},
+        "remedies": REMEDIES,
         "has_result": {"type": "boolean"},
     },
 }
@@ -100,6 +103,18 @@ LINK = {
 }
 LINK_LIST = {"type": "object", "required": ["links"], "properties": {"links": {"type": "array", "items": LINK}}}
 LINK_REQUEST = {"type": "object", "required": ["mode"], "properties": {"mode": _LINK_MODE}}
+CURVATURES = {
+    "type": "object",
+    "required": ["curvature", "gaussian", "mean", "largest", "smallest"],
+    "properties": {
+        "curvature": {**PACKED, "description": "K (n,), NaN where it is not prescribed [1/L^2]"},
+        "gaussian": {**PACKED, "description": "K of fitted quadrics (n,) [1/L^2]"},
+        **{
+            name: {**PACKED, "description": f"{words} of fitted quadrics (n,) [1/L]"}
+            for name, words in (("mean", "mean curvature"), ("largest", "larger principal curvature"), ("smallest", "smaller one"))
+        },
+    },
+}
 INDICES = {"type": "array", "items": {"type": "integer", "minimum": 0}}
 PROBLEM = {
     "type": "object",
@@ -109,6 +124,7 @@ PROBLEM = {
         "values": {"type": "array", "items": {"type": "object"}, "description": "empty; newer Hops reads it"},
         "errors": {"type": "array", "items": {"type": "string"}},
         "warnings": {"type": "array", "items": {"type": "string"}},
+        "remedies": REMEDIES,
     },
 }
 MODEL = {
@@ -144,7 +160,7 @@ MODEL = {
         "notes": {"type": "array", "items": {"type": "string"}},
         "problems": {
             "type": "array",
-            "items": {"type": "object", "properties": {"text": {"type": "string"}, "fatal": {"type": "boolean"}}},
+            "items": {"type": "object", "properties": {"text": {"type": "string"}, "fatal": {"type": "boolean"}, "remedies": REMEDIES}},
         },
     },
 }

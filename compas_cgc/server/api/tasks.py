@@ -25,6 +25,7 @@ from ..limits import Limits
 from .builds import SOLVE
 from .builds import built
 from .last_surface import gone_on
+from .remedies import remedies_of
 from .requests import READERS
 from .requests import SOLVED_READERS
 from .requests import Reader
@@ -152,4 +153,6 @@ def _report(request: SolveRequest, result: SolveResult) -> dict:
     report = analyse(result, request.problem, others=not request.live)
     if result.converged and not report.verdict.fair:
         notes.insert(0, f"the surface is {report.verdict}")
-    return {"notes": notes, **report.to_dict()}
+    if result.converged and report.verdict.fair:
+        return {"notes": notes, **report.to_dict()}
+    return {"notes": notes, "remedies": remedies_of(request.problem, result, notes), **report.to_dict()}

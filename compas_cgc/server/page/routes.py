@@ -18,12 +18,14 @@ from ..api.blocking_calls import run_in_reader
 from ..api.decoding import check_length
 from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
+from ..api.requests import accept
 from ..api.responses import respond
 from ..api.schemas import PLAN_KINDS
 from ..api.uploads import body_held
 from ..errors import BadRequest
 from ..errors import NotFound
 from ..errors import Unprocessable
+from .curvatures import curvatures
 from .drawing import mesh_of_sketch
 from .drawing import read_sketch
 from .gallery import GALLERY
@@ -187,6 +189,16 @@ def drawing() -> Response:
     with body_held() as body:
         sketch = read_sketch(read_json(body, limits), limits)
     return Response(run_in_reader(mesh_of_sketch, sketch, limits), mimetype="application/json")
+
+
+@page.post("/api/v1/curvatures")
+def measured() -> Response:
+    """Return the curvatures of a surface."""
+    limits = current_app.config["LIMITS"]
+    check_length(request.content_length, limits)
+    with body_held() as body:
+        surface = accept(read_json(body, limits), limits, body)
+    return Response(run_in_reader(curvatures, surface, limits), mimetype="application/json")
 
 
 @page.get("/api/v1/examples")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from compas_cgc import CGCMesh
-from compas_cgc.analysis.quadric import quadric_curvatures
 from compas_cgc.meshing.regions import face_regions
 
 from ...support.hands import open_hands
@@ -35,25 +34,6 @@ def wavy():
 
 
 GRAPH = "const { Graph, regionsOf } = await import('/page/mesh/graph.js');"
-
-
-def test_curvatures_of_fitted_quadrics_are_those_of_the_package(hands, wavy):
-    vertices, faces = wavy
-    wanted = np.ones(len(vertices), bool)
-    wanted[::7] = False
-    found = hands.read(
-        GRAPH + "const { quadricCurvatures } = await import('/page/mesh/quadrics.js');"
-        "const [xyz, faces, wanted] = args; const { near } = new Graph(Uint32Array.from(faces), xyz.length / 3);"
-        "const own = quadricCurvatures(xyz, faces, near, wanted);"
-        "return ['K', 'H', 'largest', 'smallest'].map((name) => [...own[name]].map((x) => Number.isFinite(x) ? x : null))",
-        vertices.ravel().tolist(),
-        faces.ravel().tolist(),
-        wanted.astype(int).tolist(),
-    )
-    expected = quadric_curvatures(vertices, faces, wanted=wanted, through=wanted)
-    for own, theirs in zip(found, expected):
-        own = np.array([np.nan if x is None else x for x in own])
-        assert np.array_equal(np.isfinite(own), np.isfinite(theirs)) and np.allclose(own, theirs, rtol=1e-7, atol=1e-9, equal_nan=True)
 
 
 def test_regions_are_numbered_as_the_server_numbers_them(hands, wavy):

@@ -1,5 +1,6 @@
 /** Description, problems and notes of a model. */
 
+import { rowOf } from './remedies.js';
 import { capital } from './words.js';
 
 /**
@@ -23,20 +24,26 @@ export function showTitle(room, model) {
 }
 
 /**
- * Show the problems and notes of a model.
+ * Show the problems of a model, with their remedies, and its notes.
  * @param {HTMLElement} room
  * @param {import('./model.js').Model} model
+ * @param {(remedies?: import('./types.js').Remedy[]) => import('./remedies.js').Button[]} buttons
  */
-export function showNotes(room, { notes, problems }) {
-  const lines = [...problems.map(({ text, fatal }) => [text, fatal ? 'fatal' : 'warning']), ...notes.map((text) => [text, 'note'])];
-  const said = lines.map(([text, kind]) => {
-    const line = document.createElement('p');
-    line.className = kind;
-    line.textContent = capital(text);
-    return line;
+export function showNotes(room, { notes, problems }, buttons) {
+  const said = problems.flatMap(({ text, fatal, remedies }) => {
+    const made = buttons(remedies);
+    return [lineOf(text, fatal ? 'fatal' : 'warning'), ...(made.length ? [rowOf(made)] : [])];
   });
+  said.push(...notes.map((text) => lineOf(text, 'note')));
   room.replaceChildren(...said);
-  room.parentElement.hidden = !lines.length;
+  room.parentElement.hidden = !said.length;
+}
+
+function lineOf(text, kind) {
+  const line = document.createElement('p');
+  line.className = kind;
+  line.textContent = capital(text);
+  return line;
 }
 
 function count(number, one, many) {

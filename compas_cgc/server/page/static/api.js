@@ -10,10 +10,12 @@ export class Refusal extends Error {
   /**
    * @param {number} status HTTP status; 0 if there was no response
    * @param {string} message one sentence
+   * @param {import('./types.js').Remedy[]} [remedies] that the message names
    */
-  constructor(status, message) {
+  constructor(status, message, remedies = []) {
     super(message);
     this.status = status;
+    this.remedies = remedies;
   }
 }
 
@@ -71,6 +73,16 @@ export class Api {
     return this.json('api/v1/drawings', { method: 'POST', body: JSON.stringify(sketch) });
   }
 
+  /**
+   * Return the curvatures of a surface, per vertex; NaN where no K is prescribed.
+   * @param {object} surface request of a solve with the vertices of the surface
+   * @returns {Promise<import('./types.js').Curvatures>}
+   */
+  async curvatures(surface) {
+    const found = await this.json('api/v1/curvatures', { method: 'POST', body: JSON.stringify(surface) });
+    return /** @type {any} */ (Object.fromEntries(Object.entries(found).map(([name, values]) => [name, unpack(values)])));
+  }
+
   /** @returns {Promise<import('./types.js').Method[]>} what is built of solved surfaces */
   async tasks() {
     return (await this.json('api/v1/tasks')).tasks;
@@ -88,7 +100,7 @@ export class Api {
       for (;;) {
         const status = await this.json(`api/v1/jobs/${id}?wait=20`, { signal });
         if (status.has_result) return { ...(await this.result(id, signal)), id };
-        if (['succeeded', 'failed', 'cancelled'].includes(status.state)) throw new Refusal(422, status.message);
+        if (['succeeded', 'failed', 'cancelled'].includes(status.state)) throw new Refusal(422, status.message, status.remedies);
       }
     } catch (error) {
       this.forget(id).catch(() => {});
@@ -249,7 +261,7 @@ export class Api {
         throw new Refusal(0, 'The server does not respond. Check that it is running, then try again.');
       }
       if (answer.ok) return answer;
-      if (answer.status !== 401) throw new Refusal(answer.status, await sentence(answer));
+      if (answer.status !== 401) throw await refusalOf(answer);
       if (sessionStorage.getItem(KEY) === key) await this.newKey(key !== null);
     }
   }
@@ -294,10 +306,11 @@ function surfaceOf(found) {
   return { ...found, faces, xyz: unpack(found.vertices), targets: unpack(found.targets), curvature: unpack(found.curvature) };
 }
 
-async function sentence(answer) {
+async function refusalOf(answer) {
   try {
-    return capital((await answer.json()).message);
+    const { message, remedies } = await answer.json();
+    return new Refusal(answer.status, capital(message), remedies);
   } catch {
-    return `The server responded with status ${answer.status} and no message.`;
+    return new Refusal(answer.status, `The server responded with status ${answer.status} and no message.`);
   }
 }

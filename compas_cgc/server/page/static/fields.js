@@ -15,7 +15,7 @@ export function numberIn(text) {
 
 /**
  * Return the number in a field.
- * @param {HTMLInputElement} field
+ * @param {HTMLElement} field
  * @returns {number} NaN in an empty field
  */
 export function numberOf(field) {
@@ -24,7 +24,7 @@ export function numberOf(field) {
 
 /**
  * Show a number in a field.
- * @param {HTMLInputElement} field
+ * @param {HTMLElement} field
  * @param {?number | string} [value]
  */
 export function showNumber(field, value) {
@@ -34,9 +34,9 @@ export function showNumber(field, value) {
 
 /**
  * Make a field for numbers.
- * @param {HTMLInputElement} field
+ * @param {HTMLElement} field
  * @param {object} [more] further properties
- * @returns {HTMLInputElement}
+ * @returns {HTMLElement}
  */
 export function asNumberField(field, more = {}) {
   Object.assign(field, { type: 'text', inputMode: 'decimal', autocomplete: 'off', ...more });
@@ -46,11 +46,12 @@ export function asNumberField(field, more = {}) {
 
 /** Keep texts that are not numbers, or lie outside the bounds of their field, from everyone who listens for changes; say why. */
 export function guardNumberFields() {
+  /** @type {(event: any) => boolean} */
   const isNumber = ({ target }) => target instanceof HTMLInputElement && target.classList.contains('number');
-  document.addEventListener('input', (event) => isNumber(event) && event.target.setCustomValidity(''), true);
+  document.addEventListener('input', (/** @type {any} */ event) => isNumber(event) && event.target.setCustomValidity(''), true);
   document.addEventListener(
     'change',
-    (event) => {
+    (/** @type {any} */ event) => {
       if (!isNumber(event)) return;
       event.target.setCustomValidity(faultOf(event.target));
       if (event.target.reportValidity()) return;

@@ -21,6 +21,7 @@ export class Legend {
   show(what, limit, gaps, middle = 0) {
     const ends = this.room.querySelectorAll('.ends span');
     this.room.querySelector('.what').textContent = what;
+    for (const each of this.room.querySelectorAll('.bar, .ends')) each.hidden = false;
     ends[0].textContent = readable(middle - limit);
     ends[1].textContent = readable(middle);
     ends[2].textContent = readable(middle + limit);
@@ -28,8 +29,13 @@ export class Legend {
     this.room.hidden = false;
   }
 
-  /** Show nothing. */
-  hide() {
-    this.room.hidden = true;
+  /**
+   * Show a sentence instead of the bar.
+   * @param {string} text nothing is shown if it is empty
+   */
+  say(text) {
+    this.room.querySelector('.what').textContent = text;
+    for (const each of this.room.querySelectorAll('.bar, .ends, .none')) each.hidden = true;
+    this.room.hidden = !text;
   }
 }

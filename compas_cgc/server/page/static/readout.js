@@ -7,7 +7,7 @@ export class Readout {
   /**
    * @param {HTMLElement} room
    * @param {import('./scene.js').Scene} scene
-   * @param {(vertex: number) => {K: number, target: ?number, held: boolean, height: number, unit: string}} look
+   * @param {(vertex: number) => {K: number, target: ?number, asked: boolean, held: boolean, height: number, unit: string}} look
    */
   constructor(room, scene, look) {
     this.room = room;
@@ -43,14 +43,14 @@ export class Readout {
       this.hide();
       return;
     }
-    const { K, target, held, height, unit } = this.look(found.vertex);
+    const { K, target, asked, held, height, unit } = this.look(found.vertex);
     const head = document.createElement('b');
     head.textContent = `${this.scene.surface.model.nameOf(found.region)} · vertex ${found.vertex}`;
-    const rows = Number.isFinite(K)
+    const rows = asked
       ? [
           [readable(K), 'K'],
           [readable(target), 'target'],
-          [target === null ? '–' : readable(K - target, 2), 'error'],
+          [readable(target === null ? null : K - target, 2), 'error'],
         ]
       : [['', held ? 'a support' : 'K is not prescribed here']];
     rows.push([`${readable(height)}${unit ? ` ${unit}` : ''}`, 'height']);

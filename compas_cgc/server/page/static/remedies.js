@@ -1,63 +1,109 @@
-/** Remedies for a rough surface or a failed solve: each changes the design and solves it again. */
+/** Remedies: changes of a design that the server proposes with its messages. */
 
-import { heldIn, withChoice } from './design/edits.js';
+import { heldIn, withChoice, withGoals, withHeld } from './design/edits.js';
 import { requestOf } from './draw/plan.js';
 
 const MARGIN = 0.95; // of the largest feasible K, as it is found within 5 %
-const FINER = 0.7; // factor of the edge length
-const MORE_STEPS = 5; // factor of the number of steps
+const DIGITS = 3; // of changed numbers
+const WISHES = { rise: { rise: null, found: false }, above: { above: null }, below: { below: null }, clearance: { boxes: [] }, 'edge in plan': { edge: false } };
 
 /**
- * @typedef {object} Remedy
+ * @typedef {object} Button
  * @property {string} text
  * @property {() => void | Promise<void>} act
  */
 
 /**
- * Return the remedies for the present design, the most promising first.
+ * Return the buttons of the proposed remedies that change the present design.
  * @param {import('./studio.js').Studio} studio
- * @returns {Remedy[]}
+ * @param {import('./types.js').Remedy[]} [remedies]
+ * @returns {Button[]}
  */
-export function remediesFor(studio) {
-  const { data, history, solving } = studio;
-  /** @type {Remedy[]} */
-  const found = [];
-  const given = data.targets.some((K) => K) && !data.wishes?.found;
-  const scale = (factor) => solve({ ...studio.data, targets: studio.data.targets.map((K) => (K ? Number((K * factor).toPrecision(3)) : K)) });
+export function buttonsOf(studio, remedies = []) {
+  if (studio.only) return [];
+  return remedies.flatMap(({ text, change }) => {
+    const act = actOf(studio, change);
+    return act ? [{ text, act }] : [];
+  });
+}
+
+/**
+ * Return a row of buttons; all are disabled while one acts.
+ * @param {Button[]} buttons
+ * @returns {HTMLElement}
+ */
+export function rowOf(buttons) {
+  const row = document.createElement('div');
+  row.className = 'buttons remedies';
+  const made = buttons.map(({ text, act }) => {
+    const button = document.createElement('button');
+    Object.assign(button, { type: 'button', className: 'small', textContent: text });
+    button.addEventListener('click', async () => {
+      for (const each of made) each.disabled = true;
+      await act();
+      for (const each of made) each.disabled = false;
+    });
+    return button;
+  });
+  row.append(...made);
+  return row;
+}
+
+/** Return what applies a change, null if it does not apply to the present design. */
+function actOf(studio, change) {
   const solve = (changed) => {
     studio.edit(changed);
-    solving.begin();
+    studio.solving.begin();
   };
-  if (solving.result?.status === 'step_limit') {
-    const steps = MORE_STEPS * solving.result.iterations;
-    found.push({ text: `Allow ${steps} steps`, act: () => solve({ ...studio.data, settings: { ...studio.data.settings, steps } }) });
+  if (change.edge_length || change.edge_scale) return meshing(studio, change);
+  if (!studio.data) return null;
+  if (change.limit) {
+    return async () => {
+      const factor = await studio.limit.find();
+      if (factor) solve(changed(studio.data, { scale: Math.min(1, factor) * MARGIN }));
+    };
   }
-  if (given) {
-    found.push({
-      text: 'Set the largest feasible K',
-      act: async () => {
-        const factor = await studio.limit.find();
-        if (factor) scale(Math.min(1, factor) * MARGIN);
-      },
-    });
-    found.push({ text: 'Halve K', act: () => scale(0.5) });
+  return changed(studio.data, change) && (() => solve(changed(studio.data, change)));
+}
+
+/** Return what meshes the drawing with another edge length, null without a drawing. */
+function meshing(studio, { edge_length: length, edge_scale: factor }) {
+  const { plan, name } = studio.history.now;
+  if (!plan) return null;
+  const edge = length ?? requestOf(plan, name || 'Roof').edge_length * factor;
+  return async () => {
+    const { solving } = studio;
+    studio.draw({ plan: { ...plan, edge: rounded(edge) } });
+    await studio.mesh();
+    if (studio.history.now.stage === 'shape' && !solving.solver.busy) solving.begin();
+  };
+}
+
+/**
+ * Return a changed design, null if the change does not apply to it.
+ * @param {import('./types.js').Data} data
+ * @param {import('./types.js').Remedy['change']} change
+ * @returns {?import('./types.js').Data}
+ */
+export function changed(data, { settings, method, supports, release, targets, scale, unknown, without, flip }) {
+  if (settings) return { ...data, settings: { ...data.settings, ...settings } };
+  if (method) return data.method === method ? null : { ...data, method, settings: {} };
+  if (supports) return data.supports[supports]?.length && !isSame(heldIn(data), data.supports[supports]) ? withChoice(data, supports) : null;
+  if (release) return release.every((vertex) => heldIn(data).includes(vertex)) ? withHeld(data, release, false) : null;
+  if (flip) return { ...data, faces: data.faces.map((face) => face.toReversed()) };
+  if (without) {
+    const goals = data.goals.filter((/** @type {any} */ { kind }) => kind !== without);
+    return { ...data, goals, wishes: { ...data.wishes, ...WISHES[without] } };
   }
-  if (data.supports.boundary && !isSame(heldIn(data), data.supports.boundary)) {
-    found.push({ text: 'Support the whole edge', act: () => solve(withChoice(studio.data, 'boundary')) });
-  }
-  const { plan, name } = history.now;
-  if (plan) {
-    const edge = requestOf(plan, name || 'Roof').edge_length * FINER;
-    found.push({
-      text: 'Mesh finer',
-      act: async () => {
-        studio.draw({ plan: { ...plan, edge: Number(edge.toPrecision(3)) } });
-        await studio.mesh();
-        if (!solving.solver.busy) solving.begin();
-      },
-    });
-  }
-  return found;
+  if (data.wishes?.found) return null; // K is unknown.
+  if (unknown) return data.wishes?.rise != null ? withGoals(data, { found: true }) : null;
+  if (targets !== undefined) return data.targets.length === 1 ? { ...data, targets: [targets] } : null;
+  if (scale && data.targets.some((K) => K)) return { ...data, targets: data.targets.map((K) => (K ? rounded(K * scale) : K)) };
+  return null;
+}
+
+function rounded(value) {
+  return Number(value.toPrecision(DIGITS));
 }
 
 /** Check whether two lists hold the same vertices. */

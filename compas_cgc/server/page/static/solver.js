@@ -13,7 +13,7 @@ const RETRY = 1000; // time between two attempts to reach the server [ms]
  * @property {(xyz: Float64Array) => void} arrived the solved surface, before its verdict
  * @property {(said: import('./types.js').Judged) => void} judged its verdict, before it is measured
  * @property {(result: ?import('./types.js').Result, status: import('./types.js').Status) => void} done
- * @property {(message: string) => void} failed
+ * @property {(message: string, remedies?: import('./types.js').Remedy[]) => void} failed
  * @property {() => void} lost the server does not respond
  */
 
@@ -59,7 +59,7 @@ export class Solver {
     } catch (error) {
       if (this.run !== run) return;
       this.run = null;
-      this.listener.failed(error.message);
+      this.listener.failed(error.message, error.remedies);
     }
   }
 

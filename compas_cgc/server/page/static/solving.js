@@ -5,7 +5,7 @@ import { asked } from './design/goals.js';
 import { download } from './download.js';
 import { pack } from './packed.js';
 import { showProgress } from './progress.js';
-import { remediesFor } from './remedies.js';
+import { buttonsOf } from './remedies.js';
 import { Rhythm } from './rhythm.js';
 import { Solver } from './solver.js';
 import { Verdict } from './verdict.js';
@@ -178,7 +178,7 @@ export class Solving {
   /** Called by the solver at the end. */
   done(result, status) {
     if (!result) {
-      this.failed(status.message ?? 'The solve ended without a result', status.state === 'cancelled');
+      this.failed(status.message ?? 'The solve ended without a result', status.remedies, status.state === 'cancelled');
       return;
     }
     const { data } = this.studio;
@@ -225,22 +225,23 @@ export class Solving {
     if (!before) scene.fit();
     scene.flush();
     this.verdict.show(result, model);
-    if (result.report.verdict?.fair === false || result.status !== 'converged') this.remedy();
+    this.remedy(result.report.remedies);
     const drawn = this.charts.end(result.history);
     this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });
   }
 
   /** Called by the solver when there is no result. */
-  failed(message, stopped = false) {
+  failed(message, remedies = [], stopped = false) {
     this.verdict.fail(message, this.result !== null, stopped);
-    if (!stopped) this.remedy();
+    this.remedy(remedies);
     this.rest({ downloads: false, making: false, course: false });
     this.heard();
   }
 
   /** Offer remedies beside the verdict. */
-  remedy() {
-    if (!this.studio.only) this.verdict.offer(remediesFor(this.studio));
+  remedy(remedies) {
+    const buttons = buttonsOf(this.studio, remedies);
+    if (buttons.length) this.verdict.offer(buttons);
   }
 
   /** Scroll to an error, which can be far from the pressed button on a narrow screen. */

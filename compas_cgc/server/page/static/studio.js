@@ -15,9 +15,11 @@ import { Legend } from './legend.js';
 import { Limit } from './limit.js';
 import { Maker } from './make/maker.js';
 import { Model } from './model.js';
+import { pack } from './packed.js';
 import { Painter } from './painter.js';
 import { Readout } from './readout.js';
 import { Regions } from './regions.js';
+import { buttonsOf, rowOf } from './remedies.js';
 import { Scene } from './scene.js';
 import { SectionCard } from './see/sectioncard.js';
 import { Settings } from './settings.js';
@@ -47,7 +49,7 @@ export class Studio {
     this.welcome = welcome;
     this.history = new History(() => this.stepped());
     this.scene = new Scene($('canvas'));
-    this.painter = new Painter(this.scene, new Legend($('legend')));
+    this.painter = new Painter(this.scene, new Legend($('legend')), (xyz) => this.api.curvatures(this.surfaceOf(xyz)));
     this.regions = new Regions($('regions'), {
       change: (key, held) => this.given(key, held),
       release: () => this.solving.release(),
@@ -194,7 +196,8 @@ export class Studio {
       // Show the roof in perspective first, not in plan.
       if ($('drag').checked) this.solving.begin();
     } catch (error) {
-      trouble.textContent = error.message;
+      const buttons = buttonsOf(this, error.remedies);
+      trouble.replaceChildren(error.message, ...(buttons.length ? [rowOf(buttons)] : []));
       trouble.hidden = false;
       this.desk.show(state.plan, state.name);
     } finally {
@@ -234,7 +237,7 @@ export class Studio {
       this.scene.surface.tint(model);
     }
     showTitle($('about'), model);
-    showNotes($('words'), model);
+    showNotes($('words'), model, (remedies) => buttonsOf(this, remedies));
     for (const each of document.querySelectorAll('.unit.length')) each.textContent = model.unit ? `in ${model.unit}` : '';
     $('unit').textContent = `in ${model.curvatureUnit}`;
     $('crease-mark').hidden = !model.creases.length;
@@ -271,6 +274,13 @@ export class Studio {
   know(xyz, measured) {
     this.shown = xyz;
     this.measured = measured;
+  }
+
+  /** Return the surface with given coordinates as a request. */
+  surfaceOf(xyz) {
+    const { model, settings } = this;
+    const { creases, faces } = model;
+    return { vertices: pack(xyz, 'f8', [model.count, 3]), faces: pack(faces, 'i4', [faces.length / 3, 3]), creases, supports: settings.supports };
   }
 
   /** Show the surface with given coordinates. */

@@ -32,7 +32,7 @@ export interface Data {
   vertex_targets?: (number | null)[] | null;
   laws?: Record<string, string>;
   notes: string[];
-  problems: { text: string; fatal: boolean }[];
+  problems: { text: string; fatal: boolean; remedies?: Remedy[] }[];
   settings?: Record<string, any>;
   method?: string;
   columns?: number[];
@@ -64,6 +64,34 @@ export interface State {
   time?: number;
 }
 
+/** Curvatures per vertex: K as measured by the solver, the others of fitted quadrics. */
+export interface Curvatures {
+  curvature: Float64Array;
+  gaussian: Float64Array;
+  mean: Float64Array;
+  largest: Float64Array;
+  smallest: Float64Array;
+}
+
+/** A change that the server proposes; it has one of these fields. */
+export interface Remedy {
+  text: string;
+  change: {
+    settings?: Record<string, any>;
+    method?: string;
+    supports?: string;
+    release?: number[];
+    targets?: number;
+    scale?: number;
+    limit?: boolean;
+    unknown?: string;
+    without?: string;
+    flip?: boolean;
+    edge_length?: number;
+    edge_scale?: number;
+  };
+}
+
 /** Status of a job. */
 export interface Status {
   id: string;
@@ -73,6 +101,7 @@ export interface Status {
   energy: number | null;
   elapsed: number | null;
   message: string;
+  remedies?: Remedy[];
   has_result: boolean;
 }
 

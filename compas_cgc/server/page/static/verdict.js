@@ -1,6 +1,7 @@
 /** Description of a result. */
 
 import { duration, readable } from './numbers.js';
+import { rowOf } from './remedies.js';
 import { capital } from './words.js';
 
 const HEADS = {
@@ -72,23 +73,11 @@ export class Verdict {
   }
 
   /**
-   * Offer remedies as buttons; all are disabled while one is applied.
-   * @param {import('./remedies.js').Remedy[]} remedies
+   * Offer remedies.
+   * @param {import('./remedies.js').Button[]} remedies
    */
   offer(remedies) {
-    const row = document.createElement('div');
-    row.className = 'buttons remedies';
-    const buttons = remedies.map(({ text, act }) => {
-      const button = /** @type {HTMLButtonElement} */ (element('button', text));
-      Object.assign(button, { type: 'button', className: 'small' });
-      button.addEventListener('click', async () => {
-        for (const each of buttons) each.disabled = true;
-        await act();
-        for (const each of buttons) each.disabled = false;
-      });
-      return button;
-    });
-    row.append(...buttons);
+    const row = rowOf(remedies);
     const figures = this.room.querySelector(':scope > dl');
     if (figures) figures.before(row);
     else this.room.append(row);
@@ -147,7 +136,7 @@ function figures(result, model) {
   const unit = model.unit ? ` ${model.unit}` : '';
   const { regions, moved_max: moved } = result.report;
   const most = `${readable(result.max_error, 2)} ${model.curvatureUnit.slice(1)}`;
-  const rows = [['Largest error', most, 'Largest |K − target| of all vertices, by angle defects']];
+  const rows = [['Largest error', most, 'Largest |K − target| of all vertices']];
   if (size > 0) rows.push(['Relative to the target', part(result.max_error / size)]);
   const fits = (regions ?? []).filter((region) => region.target && region.quadric_median !== null);
   if (fits.length) {

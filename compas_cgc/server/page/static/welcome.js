@@ -21,7 +21,8 @@ export class Welcome {
     this.opening = room.querySelector('#opening');
     /** @type {HTMLInputElement} */
     const input = room.querySelector('input[type="file"]');
-    [this.meshes, this.plans] = [input.dataset.meshes, input.dataset.plans].map((kinds) => kinds.split(' '));
+    this.meshes = input.dataset.meshes.split(' ');
+    this.plans = input.dataset.plans.split(' ');
     input.addEventListener('change', () => {
       const [file] = input.files;
       if (file) this.file(file);
