@@ -40,7 +40,8 @@ MAX_GROWTH = 2.0  # of the number of triangles of the first division by a small 
 COINCIDENCE = 1e-7  # distance within which points of neighbouring faces coincide, relative to the size
 ON_SIDE = 1e-6  # distance of an edge from a side of its surface, relative to the range of the parameters
 EDGE_POINTS = 9
-SECONDS, SECONDS_PER_BYTE = 5.0, 20e-6  # longest processor time of reading; a fifth of it is usual
+SECONDS, SECONDS_PER_BYTE = 10.0, 20e-6  # longest processor time of reading; 4.8 s is the most that a valid design took
+MEMORY, MEMORY_PER_BYTE = 2**30, 100  # largest memory of reading [bytes]; 0.47 GB is the most that a valid design took
 PATIENCE = 4.0  # longest time by the clock, relative to the processor time, as on a busy computer
 _OUT_OF_TIME = getattr(signal, "SIGXCPU", 0)  # ends a process that has used its processor time
 
@@ -49,7 +50,7 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
     """Read a design from a STEP file, in millimetres.
 
     An untrimmed surface is read exactly; other faces are sewn and divided into triangles. A damaged file can make OpenCASCADE crash or
-    divide faces for minutes, so it runs in a process of its own with a limit of its processor time.
+    divide faces for minutes into gigabytes, so it runs in a process of its own with limits of its processor time and memory.
 
     Parameters
     ----------
@@ -68,13 +69,14 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
     if not Path(sys.executable or "").stem.lower().startswith("python"):
         # Within another program, such as Rhino, there may be no interpreter to start.
         return _read(path)
-    limit = SECONDS + SECONDS_PER_BYTE * path.stat().st_size
+    size = path.stat().st_size
+    limit, memory = SECONDS + SECONDS_PER_BYTE * size, MEMORY + MEMORY_PER_BYTE * size
     slow = FileError(f"{path} takes more than {limit:.0f} s to read; repair its faces, or export fewer of them")
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "design"
         try:
             done = subprocess.run(
-                [sys.executable, "-c", "from compas_cgc.io.step_design import main; main()", str(path), str(result), str(limit)],
+                [sys.executable, "-c", "from compas_cgc.io.step_design import main; main()", *map(str, (path, result, limit, memory))],
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
@@ -95,7 +97,7 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
 def main() -> None:
     """Read the design in the file of the first argument, and write it, or the reason why it cannot be read, to that of the second.
 
-    The third argument is the longest processor time [s]; the system ends the process after it.
+    The third argument is the longest processor time [s], at which the system ends the process; the fourth is the largest memory [bytes].
     """
     path, result = map(Path, sys.argv[1:3])
     opencascade()
@@ -104,6 +106,7 @@ def main() -> None:
 
         limit = math.ceil(time.process_time() + float(sys.argv[3]))
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+        resource.setrlimit(resource.RLIMIT_DATA, 2 * (int(sys.argv[4]),))
     found: Union[DrawnDesign, str]
     try:
         found = _read(path)
@@ -166,9 +169,13 @@ def _knots(knots: Callable, times: Callable, surface: Any) -> FloatArray:
 
 def _triangles(occt: Any, shape: Any, size: float) -> tuple[FloatArray, IntArray]:
     """Return the vertices and triangles, with a repeated last corner, of all faces; their common points are merged."""
-    points, corners, _ = occt.tesselate(shape, DEFLECTION * size, _angle(occt, shape, size))
+    deflection, angle = DEFLECTION * size, _angle(occt, shape, size)
+    points, corners, _ = occt.tesselate(shape, deflection, angle)
     V = np.asarray(points, float).reshape(-1, 3)
     F = np.asarray(corners, np.int64).reshape(-1, 3)
+    # OpenCASCADE leaves out faces without a word where it fails, as for lack of memory. Those that are divided are not divided again.
+    if not all(len(occt.tesselate(face, deflection, angle)[1]) for face in occt.shape_explore(shape, FACE)):
+        raise FileError("OpenCASCADE cannot divide all faces of the file into triangles; repair its faces and export it again")
     first = np.arange(len(V))
     for one, other in cKDTree(V).query_pairs(COINCIDENCE * size, output_type="ndarray"):
         first[max(one, other)] = min(first[one], first[other])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -114,3 +116,27 @@ def test_reading_ends_with_a_limit_of_time(cushion, tmp_path, monkeypatch):
     monkeypatch.setattr(step_design, "SECONDS_PER_BYTE", 0.0)
     with pytest.raises(FileError, match="takes more than"):
         read_step_design(tmp_path / "cushion.step")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory hold on Linux")
+def test_reading_ends_with_a_limit_of_memory(cushion, tmp_path, monkeypatch):
+    (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
+    monkeypatch.setattr(step_design, "MEMORY", 2**20)
+    monkeypatch.setattr(step_design, "MEMORY_PER_BYTE", 0)
+    with pytest.raises(FileError, match="cannot be read"):
+        read_step_design(tmp_path / "cushion.step")
+
+
+def test_faces_that_opencascade_leaves_out_are_refused(cushion, tmp_path, monkeypatch):
+    """For lack of memory, among other reasons, it returns no triangles for a face, and no error."""
+    (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
+    occt = step_design.opencascade()
+    half = {name: getattr(occt, name) for name in dir(occt)}
+
+    def tesselate(*arguments):
+        points, corners, edges = occt.tesselate(*arguments)
+        return points, corners[:0], edges
+
+    monkeypatch.setattr(step_design, "opencascade", lambda: types.SimpleNamespace(**{**half, "tesselate": tesselate}))
+    with pytest.raises(FileError, match="cannot divide all faces"):
+        step_design._read(tmp_path / "cushion.step")
