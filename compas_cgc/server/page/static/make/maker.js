@@ -7,6 +7,7 @@ import { drawnOf } from './drawn.js';
 import { drawSheets } from './sheets.js';
 
 const NAMES = { mould: 'Moulds', unroll: 'Unroll', membrane: 'Forces', net: 'Net', drawings: 'Plans' };
+const SHEETS = { unroll: 'Flat pieces', drawings: 'Plans, sections, elevations' }; // headings of the card with sheets
 const LEFT = ['rough', 'regions', 'seams', 'through', 'nodes', 'along']; // options for scripts
 const DEFAULTS = { pressure: 1 }; // forces require a load
 const SUFFIXES = { arrays: 'json' };
@@ -82,10 +83,10 @@ export class Maker {
     this.made = null;
     this.said.textContent = '';
     for (const each of [this.more, this.files, this.key, this.sheets]) each.hidden = true;
-    this.room.querySelector('#make').disabled = false;
     this.source.show(null);
   }
 
+  /** Make what is asked for; a build with other options replaces a running one. */
   async make() {
     const job = this.source.job();
     if (!job) return;
@@ -93,7 +94,6 @@ export class Maker {
     this.clear();
     const abort = new AbortController();
     this.abort = abort;
-    this.room.querySelector('#make').disabled = true;
     this.said.textContent = 'Computing …';
     /** @type {any[]} */
     const fields = Array.from(this.room.querySelectorAll('#make-options input, #make-options select'));
@@ -113,8 +113,6 @@ export class Maker {
       this.files.scrollIntoView({ block: 'nearest' });
     } catch (error) {
       if (error.name !== 'AbortError') this.said.textContent = capital(error.message);
-    } finally {
-      if (this.abort === abort) this.room.querySelector('#make').disabled = false;
     }
   }
 
@@ -132,6 +130,7 @@ export class Maker {
     this.key.hidden = !drawn.key.length;
     if (!told.lines) return;
     this.sheets.hidden = false;
+    this.sheets.querySelector('span').textContent = SHEETS[task] ?? NAMES[task];
     drawSheets(this.sheets.querySelector('svg'), told);
   }
 

@@ -1,0 +1,33 @@
+"""Builds on the page: what is asked for last is what is shown."""
+
+from __future__ import annotations
+
+import pytest
+
+from ...support.hands import BUSY
+from ...support.hands import open_hands
+from ...support.server_process import running_server
+from ...support.server_process import wait_for
+
+pytestmark = pytest.mark.nightly
+TEXTS = "return [...document.querySelectorAll('#sheets svg text')].map((each) => each.textContent)"
+
+
+def test_a_title_typed_during_a_build_is_on_the_sheet(tmp_path):
+    """Enter starts a build; a second one with another option replaces it, also while the first runs."""
+    with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
+        hands.open(f"{server.url}/#new")
+        hands.seen(".example")
+        hands.click("[data-example=example2]")
+        hands.seen("#solve")
+        hands.click("#solve")
+        wait_for(lambda: hands.text(".verdict h2") and not hands.shown(BUSY), what="nothing is solved")
+        hands.click("#make-tabs [value=drawings] + span")
+        hands.fill("#make-options [name=contours]", "0.5")
+        hands.fill("#make-options [name=title]", "Roof at 5$ and 6$")
+        wait_for(lambda: "Roof at 5$ and 6$" in hands.read(TEXTS), what="the title is not on the sheet")
+        assert hands.text("#sheets figcaption span") == "Plans, sections, elevations" and hands.complaints() == []
+        hands.click("#sheets figcaption button")
+        hands.click("#make-tabs [value=unroll] + span")
+        hands.click("#make")
+        wait_for(lambda: hands.text("#sheets figcaption span") == "Flat pieces" and hands.shown("#sheets"), what="no flat pieces")
