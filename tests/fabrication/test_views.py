@@ -16,6 +16,7 @@ from compas_cgc.errors import CGCError
 from compas_cgc.fabrication import draw_views
 from compas_cgc.fabrication.plain_data import build_data
 from compas_cgc.fabrication.views.level_lines import level_lines
+from compas_cgc.fabrication.views.marks import letters
 from compas_cgc.fabrication.views.projections import Shape
 from compas_cgc.fabrication.views.projections import elevation
 from compas_cgc.io.views import write_views
@@ -69,6 +70,21 @@ def test_a_section_is_the_surface_along_its_line():
     # One centimetre on paper is a metre; the mesh is within a millimetre of the parabola at its vertices only.
     assert height == pytest.approx(30.0 - (x / 10) ** 2 / 12 * 10, abs=0.2)
     assert {letter for letter, _ in drawn.cuts} == {"A"}
+
+
+def test_heights_of_contour_lines_touch_neither_each_other_nor_sections():
+    drawn = draw_views(roof(), 100, contours=0.1)
+    labels = [own for own in drawn.labels if own.layer == "CONTOUR"]
+    places, half = np.array([own.place for own in labels]), np.array([0.5 * letters(own.text) for own in labels])
+    apart = np.linalg.norm(places[:, None] - places, axis=2) - half[:, None] - half
+    assert len(labels) > 5 and apart[np.triu_indices(len(labels), 1)].min() > 0.0
+    for line in drawn.lines:
+        if line.layer == "SECTION" and len(line.points) == 2 and np.ptp(line.points, axis=0).max() > 20.0:
+            start, end = line.points
+            along = (end - start) / np.linalg.norm(end - start)
+            across = np.abs((places - start) @ [-along[1], along[0]])
+            beside = ((places - start) @ along > 0.0) & ((places - start) @ along < np.linalg.norm(end - start))
+            assert (across[beside] > half[beside]).all()
 
 
 def test_contour_lines_have_their_heights_and_supports_their_lines():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 
@@ -15,6 +17,9 @@ TEXT_HEIGHT = 2.5  # [mm]
 LETTER_WIDTH = 0.85  # relative to the height
 TICK = 1.5  # half length of the ticks of dimensions [mm]
 MARK_LENGTH = 6.0  # of a height mark [mm]
+GAP = 0.6  # between a line and a text in it [mm]
+# Places of texts on lines, from the middle towards the ends in turn.
+PLACES = np.repeat(np.linspace(0.0, 0.95, 20), 2)[1:] * np.tile([-1.0, 1.0], 20)[1:]
 
 
 class Style(NamedTuple):
@@ -104,14 +109,29 @@ def arrow(start: FloatArray, end: FloatArray, layer: str) -> list[Line]:
     return [Line(layer, np.stack([start, end])), Line(layer, head, closed=True)]
 
 
-def cut_for(line: FloatArray, text: str) -> tuple[list[FloatArray], Label]:
-    """Return the parts of a polyline (k, 2) beside a text at its middle, and the text along the line [mm]."""
+def cut_for(line: FloatArray, text: str, room: Callable[[FloatArray], float]) -> tuple[list[FloatArray], Optional[Label]]:
+    """Return the parts of a polyline (k, 2) beside a text on it, and the text along the line [mm].
+
+    Parameters
+    ----------
+    line
+        Points ``(k, 2)`` [mm].
+    text
+        The text.
+    room
+        Returns the distance of a point (2,) from whatever the text must not touch [mm]. The place nearest to the middle with enough room is
+        taken; without any, the line is whole and has no text.
+    """
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    half, middle = 0.5 * letters(text) + 0.6, 0.5 * length[-1]
+    half, whole = 0.5 * letters(text) + GAP, float(length[-1])
 
     def at(s: float) -> FloatArray:
         return np.array([np.interp(s, length, line[:, axis]) for axis in (0, 1)])
 
+    within = [s for s in whole * (0.5 + 0.5 * PLACES) if half < s < whole - half]
+    middle = next((s for s in within if room(at(s)) > half), None)
+    if middle is None:
+        return [line], None
     before, after = middle - half, middle + half
     parts = [np.vstack([line[length < before], at(before)]), np.vstack([at(after), line[length > after]])]
     chord = at(after) - at(before)

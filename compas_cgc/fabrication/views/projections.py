@@ -136,21 +136,28 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
         return scale * (points[:, :2] - origin) + PADDING[0]
 
     size = scale * (shape.high - shape.low)[:2]
-    lines, labels = [], []
+    lines: list[Line] = []
+    labels: list[Label] = []
+    ends = [[put(at[None])[0] for at in _across(cut, shape)] for cut in cuts]
+
+    def room(at: FloatArray) -> float:
+        """Return the distance from section lines and from other heights, less half their width [mm]."""
+        others = [float(np.linalg.norm(own.place - at)) - 0.5 * letters(own.text) for own in labels]
+        return min([*others, *(_distance(at, start, end) for start, end in ends)], default=np.inf)
+
     for level in shape.levels(interval):
         for line in level_lines(shape.vertices, shape.faces, shape.vertices[:, 2], level):
             parts, text = [put(line)], _height(level, interval)
             if np.linalg.norm(np.diff(parts[0], axis=0), axis=1).sum() > MIN_LABEL_ROOM * letters(text):
-                parts, label = cut_for(parts[0], text)
-                labels.append(label)
+                parts, label = cut_for(parts[0], text, room)
+                labels += [label] if label else []
             lines += [Line("CONTOUR", part) for part in parts]
     lines += [Line("CREASE", put(shape.vertices[path])) for path in shape.creases]
     lines += [Line("OUTLINE", put(shape.vertices[path])) for path in shape.outlines]
     lines += [Line("SUPPORT", put(shape.vertices[path])) for path in shape.held_lines]
     half = 0.5 * SUPPORT_SIZE * np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
     lines += [Line("SUPPORT", at + half, closed=True) for at in put(shape.vertices[shape.held_points])]
-    for cut in cuts:
-        start, end = (put(at[None])[0] for at in _across(cut, shape))
+    for cut, (start, end) in zip(cuts, ends):
         along = (end - start) / np.linalg.norm(end - start)
         towards = np.array([-along[1], along[0]])
         start, end = start - LETTER_AT * along, end + LETTER_AT * along
@@ -168,6 +175,12 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
     lines += arrow(middle - 0.5 * NORTH_LENGTH * way, middle + 0.5 * NORTH_LENGTH * way, "FRAME")
     labels.append(Label("TEXT", "N", middle + (0.5 * NORTH_LENGTH + 2.2) * way))
     return _named("Plan", lines, labels, size)
+
+
+def _distance(at: FloatArray, start: FloatArray, end: FloatArray) -> float:
+    """Return the distance of a point from the line through two others (2,)."""
+    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
+    return float(abs(along[0] * (at - start)[1] - along[1] * (at - start)[0]))
 
 
 def _height(level: float, interval: float) -> str:
