@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,8 @@ from compas_cgc.fabrication.bending import plate_stress
 from compas_cgc.fabrication.materials import MATERIALS
 
 from ..support.constant_curvature import revolved_patch
+from ..support.plate_elements import Revolved
+from ..support.plate_elements import bending_stresses
 from ..support.shapes import grid
 
 
@@ -101,6 +105,21 @@ def test_a_plate_bent_to_a_bowl_has_more_stress_than_one_bent_to_a_saddle():
     glass = MATERIALS["glass"]
     bowl, saddle, roll = plate_stress(glass, 0.006, np.array([[0.1, 0.1], [0.1, -0.1], [0.1, 0.0]]))
     assert saddle == roll and bowl == pytest.approx(1.23 * roll)
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+@pytest.mark.parametrize(("K", "waist", "most"), [(-0.02, 5.0, 1.02), (0.02, 4.0, 1.1), (0.02, 0.02**-0.5, 1.31)])
+def test_finite_elements_find_the_stress_of_bent_plates_or_less(K, waist, most, tmp_path):
+    """The second change of curvature is neglected where it has the other sign, which adds up to 1 / (1 - nu)."""
+    glass, here, there = MATERIALS["glass"], Revolved(K, waist), Revolved(K, 0.9999 * waist)
+    at, found = bending_stresses(tmp_path, here, there, glass.modulus, glass.poisson, 0.006)
+    changes = (there.curvatures(at) - here.curvatures(at)).T
+    stiff = 0.5 * glass.modulus * 0.006 / (1.0 - glass.poisson**2)
+    exact = stiff * np.abs(changes + glass.poisson * changes[:, ::-1]).max(axis=1)
+    assert np.allclose(exact, found, rtol=0.01)
+    larger_first = np.take_along_axis(changes, np.argsort(-np.abs(changes), axis=1), axis=1)
+    ratios = plate_stress(glass, 0.006, larger_first) / found
+    assert 1.0 <= ratios.min() and ratios.max() < most
 
 
 def test_point_supports_corners_and_straight_edges_of_domes_are_named():
