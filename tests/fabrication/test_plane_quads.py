@@ -95,7 +95,8 @@ def test_faces_cover_the_surface_and_lie_on_it(quads):
     own = sum(np.linalg.norm(np.cross(quads.vertices[face], np.roll(quads.vertices[face], -1, axis=0)).sum(axis=0)) for face in quads.faces)
     assert own == pytest.approx(whole, rel=0.02)
     assert np.median(quads.off) < 1e-3 * size and quads.off.max() < 0.01 * size
-    assert np.median(quads.twist) < 0.01 * quads.depth
+    assert np.median(quads.twist) < 0.01 * quads.depth and quads.twist.max() < 0.05 * quads.depth
+    assert quads.offset_error.max() < 0.005 * quads.depth
 
 
 @pytest.mark.parametrize("quads", ["cushion"], indirect=True)

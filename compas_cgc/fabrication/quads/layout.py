@@ -51,6 +51,9 @@ SHORTEST = 0.25  # of the spacing, side at the rim below which lines share a ver
 STRAIGHT = np.deg2rad(150.0)  # angle at a vertex with three sides from which one of them is a line that ends there
 UMBILIC_RATIO = 1e-3  # half difference of the principal curvatures times the size below which a region counts as a sphere or plane
 SHORT = 100.0  # mm, beams below which are named
+AXIS_RANK = 5e-3  # relative size of singular values below which normals around a corner count as dependent: faces within half a degree
+AXIS_STEPS = 10  # of the axes of corners at the rim towards plane beams
+AXIS_DAMPING = 1e-3  # weight of changes of axes against twists, which keeps axes of nearly straight rims from leaning
 DEPTH = 0.1  # of the spacing, default depth of beams
 
 
@@ -362,10 +365,37 @@ def _normal(points: Vectors) -> FloatArray:
 
 
 def _axes(points: Vectors, faces: list[list[int]]) -> Vectors:
-    """Return the vectors (k, 3) that move corners by one along the normals of all faces around them, by least squares."""
+    """Return the vectors (k, 3) that move corners by one along the normals of all faces around them, by least squares.
+
+    Corners at the rim have one face or two, which leave freedom to their axes. It is used so that beams from and along the rim are plane.
+    """
     around: list[list[FloatArray]] = [[] for _ in points]
     for face in faces:
         normal = _normal(points[face])
         for vertex in face:
             around[vertex].append(normal)
-    return np.array([np.linalg.lstsq(np.array(own), np.ones(len(own)), rcond=1e-3)[0] for own in around], dtype=np.float64)
+    axes = np.array([np.linalg.lstsq(np.array(own), np.ones(len(own)), rcond=AXIS_RANK)[0] for own in around], dtype=np.float64)
+    free = [_kernel(np.array(own)) for own in around]
+    owner = np.repeat(np.arange(len(points)), [len(own) for own in free])
+    ways = np.vstack(free)
+    edges = polygon_edges(faces)
+    rim = edges[np.isin(edges, owner).any(axis=1)]
+    along = points[rim[:, 1]] - points[rim[:, 0]]
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    for _ in range(AXIS_STEPS):
+        start, end = axes[rim[:, 0]], axes[rim[:, 1]]
+        twist = np.einsum("ei,ei->e", along, np.cross(start, end))
+        slopes = [np.cross(end, along), np.cross(along, start)]
+        J = np.zeros((len(rim), len(owner)))
+        for side, slope in enumerate(slopes):
+            at = rim[:, side, None] == owner
+            J += at * (slope @ ways.T)
+        move = np.linalg.lstsq(np.vstack([J, AXIS_DAMPING * np.identity(len(owner))]), np.r_[-twist, np.zeros(len(owner))], rcond=None)[0]
+        np.add.at(axes, owner, move[:, None] * ways)
+    return axes
+
+
+def _kernel(normals: FloatArray) -> FloatArray:
+    """Return unit vectors (j, 3) perpendicular to some normals (k, 3) and to each other."""
+    _, values, rows = np.linalg.svd(normals, full_matrices=True)
+    return np.asarray(rows[int((values > AXIS_RANK * values[0]).sum()) :])
