@@ -45,10 +45,18 @@ export class Scene {
     this.plain = false;
     this.framed = false;
     this.after = () => {};
+    /** @type {(gone: boolean) => void} called when the browser takes the graphics away, and when it gives them back */
+    this.lost = () => {};
     this.light();
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     canvas.addEventListener('dblclick', () => this.plain || this.fit());
     canvas.addEventListener('keydown', (event) => this.key(event));
+    // The renderer restores its own state; textures and buffers are sent again with the next frame.
+    canvas.addEventListener('webglcontextlost', () => this.lost(true));
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.lost(false);
+      this.draw();
+    });
   }
 
   light() {

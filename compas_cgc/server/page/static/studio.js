@@ -69,6 +69,7 @@ export class Studio {
     this.section = new SectionCard($('section'), this.scene);
     this.crown = new Crown($('crown'), this.scene, (rise) => this.edit(withGoals(this.data, { rise, found: true }), 'rise'));
     this.scene.after = () => this.crown.place();
+    this.scene.lost = (gone) => ($('lost').hidden = !gone);
     this.hand = toolsOf(this, $('hand'));
     this.board = new Board($('board'), { field: $('draw-field'), label: $('draw-label'), hint: $('draw-hint') }, { change: (plan, key) => this.draw({ plan }, key) });
     this.desk = new Desk($('desk'), this.board, {

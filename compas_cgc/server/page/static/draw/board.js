@@ -2,7 +2,7 @@
 
 import { numberIn } from '../fields.js';
 import { Ink } from './ink.js';
-import { boundsOf, circle, rolesOf, segmentsOf, tidy, withLength } from './plan.js';
+import { boundsOf, circle, rolesOf, segmentsOf, tidy, withLength, withMoved } from './plan.js';
 import { snapped } from './snap.js';
 import { typedPoint } from './typed.js';
 
@@ -131,9 +131,9 @@ export class Board {
     return [event.clientX - left, event.clientY - top];
   }
 
-  snap(event, skip) {
+  snap(event, plan = this.plan, skip = undefined) {
     const reach = (event.pointerType === 'touch' ? 20 : 11) / this.ink.view.scale;
-    return snapped(this.ink.toPlan(...this.place(event)), this.plan, this.draft, { reach, step: this.ink.step, skip });
+    return snapped(this.ink.toPlan(...this.place(event)), plan, this.draft, { reach, step: this.ink.step, skip });
   }
 
   down(event) {
@@ -283,18 +283,21 @@ export class Board {
   drag(event) {
     const { press } = this;
     const { line: number, point, column } = press.drag;
-    const [x, y] = this.snap(event, column === undefined ? this.plan.lines[number].points[point] : undefined).at.map(tidy);
+    // From the plan before the drag, so that points passed on the way are not taken along.
+    const { lines } = press.plan;
+    const from = column === undefined ? lines[number].points[point] : undefined;
+    const [x, y] = this.snap(event, press.plan, from).at.map(tidy);
     if (column !== undefined) {
       const grid = this.ink.toPlan(...this.place(event)).map((value) => tidy(Math.round(value / this.ink.step) * this.ink.step));
       this.change({ ...this.plan, columns: this.plan.columns.map((own, k) => (k === column ? { ...own, x: grid[0], y: grid[1] } : own)) }, `column ${column}`);
       return;
     }
-    const { lines } = this.plan;
     const line = lines[number];
-    const moved = line.circle
-      ? { ...circle(x, y, line.circle.r), held: line.held }
-      : { ...line, points: line.points.map((own, k) => (k === point ? [x, y] : own)) };
-    this.change({ ...this.plan, lines: lines.map((own, k) => (k === number ? moved : own)) }, `point ${number} ${point}`);
+    const key = `point ${number} ${point}`;
+    if (line.circle) {
+      const moved = { ...circle(x, y, line.circle.r), held: line.held };
+      this.change({ ...press.plan, lines: lines.map((own, k) => (k === number ? moved : own)) }, key);
+    } else this.change(withMoved(press.plan, from, [x, y]), key);
   }
 
   hold(found) {

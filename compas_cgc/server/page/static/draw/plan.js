@@ -20,6 +20,8 @@ const DEFAULT_EDGES = 18; // default number of edges across a plan
  * @property {string[]} [notes] notes on the source file
  */
 
+export const SAME = 1e-9; // distance below which two points are one
+
 /** @returns {Plan} */
 export function emptyPlan() {
   return { unit: 'm', edge: null, lines: [], columns: [] };
@@ -133,6 +135,22 @@ export function withLength(line, k, length) {
   const beyond = line.closed ? (count > 3 ? [k + 1, k + 2] : [k + 1]) : Array.from({ length: count - k - 1 }, (_, i) => k + 1 + i);
   const moving = new Set(beyond.map((each) => each % count));
   return { ...line, points: line.points.map(([x, y], i) => (moving.has(i) ? [tidy(x + by[0]), tidy(y + by[1])] : [x, y])) };
+}
+
+/**
+ * Move a point, with all points of lines and columns at the same place, such as the ends of creases at a corner.
+ * @param {Plan} plan
+ * @param {number[]} from
+ * @param {number[]} to
+ * @returns {Plan}
+ */
+export function withMoved(plan, from, to) {
+  const isThere = (/** @type {number[]} */ [x, y]) => Math.hypot(x - from[0], y - from[1]) < SAME;
+  return {
+    ...plan,
+    lines: plan.lines.map((line) => (line.circle || !line.points.some(isThere) ? line : { ...line, points: line.points.map((own) => (isThere(own) ? to : own)) })),
+    columns: plan.columns.map((own) => (isThere([own.x, own.y]) ? { ...own, x: to[0], y: to[1] } : own)),
+  };
 }
 
 /**

@@ -1,6 +1,6 @@
 /** Snapping of the pointer to points, lines, axis directions from the last point, or the grid. */
 
-import { segmentsOf } from './plan.js';
+import { SAME, segmentsOf } from './plan.js';
 
 /**
  * Return the smallest grid step of at least a given size.
@@ -17,19 +17,20 @@ export function roundStep(size) {
  * @param {number[]} at
  * @param {import('./plan.js').Plan} plan
  * @param {number[][]} draft points of the current line
- * @param {{reach: number, step: number, skip?: number[]}} how snapping distance, grid step, and a point to exclude
+ * @param {{reach: number, step: number, skip?: number[]}} how snapping distance, grid step, and the place of points to exclude
  * @returns {{at: number[], on: string}} on: point, line, straight or grid
  */
 export function snapped(at, plan, draft, { reach, step, skip }) {
+  const isSkipped = (point) => skip !== undefined && apart(point, skip) < SAME;
   const points = [...draft, ...plan.lines.filter((line) => !line.circle).flatMap(({ points: all }) => all), ...plan.columns.map(({ x, y }) => [x, y])];
   const near = nearest(
-    points.filter((point) => point !== skip),
+    points.filter((point) => !isSkipped(point)),
     at,
   );
   if (near && apart(near, at) <= reach) return { at: near, on: 'point' };
   const grid = at.map((value) => Math.round(value / step) * step);
   const feet = plan.lines
-    .filter((line) => !line.points.includes(skip))
+    .filter((line) => !line.points.some(isSkipped))
     .flatMap(segmentsOf)
     .map(([a, b]) => foot(at, a, b, step));
   const on = nearest(feet, at);
