@@ -184,10 +184,11 @@ def unroll(
     room = stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)
     least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
     try:
-        if stock.sheet is not None and not kept and len(curved) == len(chosen) and seams is None:
+        divided = stock.sheet is not None and not kept and panels is None
+        if divided and len(curved) == len(chosen) and seams is None:
             panels = sheet_panels(problem, chosen, stock, shortest, taken, too_wide)
             flat, cuts, unrollings = (flat, cuts, unrollings) if panels is None else developed_panels(problem, panels, chosen)
-        elif stock.sheet is not None and not kept:
+        elif divided:
             grains = None if grain is None else np.array([along(flat, piece) for piece in range(int(flat.piece.max()) + 1)])
             inside = room[0] - 2.0 * MITRE_ROOM * stock.strip, room[1] - 2.0 * MITRE_ROOM * stock.strip
             flat = in_rows(flat, inside, (stock.spacing or 0.0) + 2.0 * stock.strip, least, grains)

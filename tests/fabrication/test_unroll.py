@@ -18,6 +18,7 @@ from compas_cgc import solve
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import draw_sheets
 from compas_cgc.fabrication import flatten
+from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import unfold
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication import widest_panel
@@ -502,6 +503,18 @@ def test_radii_at_rulings_lie_within_their_pieces_apart_from_each_other_and_from
 def _around(text):
     half = 0.5 * text.height * np.array([LETTER_WIDTH * len(text.text), 1.0])
     return text.place - half, text.place + half
+
+
+@pytest.mark.parametrize("K", [0.02, 0.0])
+def test_only_panels_larger_than_a_sheet_are_cut(K):
+    problem = CGCProblem(*revolved_patch(24, K)).with_supports("boundary").with_targets(K) if K else vault()
+    own = panels(problem, count=6)
+    whole, ample = (unroll(problem, (50.0, 50.0), panels=own, whole=kept, rough=True, rulings=0) for kept in (True, False))
+    assert [piece.label for piece in ample.pieces] == [piece.label for piece in whole.pieces] and len(own) > 2
+    assert [piece.area for piece in ample.pieces] == [piece.area for piece in whole.pieces]
+    longest = max(best_box(piece.loops[0].points, (np.inf, np.inf)).length for piece in whole.pieces)
+    cut = unroll(problem, (0.8 * longest, 50.0), panels=own, whole=False, rough=True, rulings=0)
+    assert len(own) <= len(cut.pieces) <= 2 * len(own) and cut.area == pytest.approx(whole.area, rel=1e-3)
 
 
 def test_the_table_of_edges_calls_edges_of_rolled_pieces_inner(cut):
