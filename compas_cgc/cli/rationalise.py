@@ -223,7 +223,10 @@ def _write(arguments: argparse.Namespace, found: Rationalised) -> tuple[list[Pat
         else:
             notes = write(output, found.result)
         if arguments.report:
-            write_text(arguments.report, json.dumps({**record, "files": notes}, indent=1, ensure_ascii=False) + "\n")
+            from ..fabrication.shell.fit import AccuracyNote
+
+            record = {**record, "files": notes, "surfaces": [own.figures for own in notes if isinstance(own, AccuracyNote)]}
+            write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
             written.append(Path(arguments.report))
     return written, notes
 

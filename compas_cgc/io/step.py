@@ -32,4 +32,4 @@ def step_bytes(problem: CGCProblem) -> tuple[bytes, list[str]]:
     factor = MILLIMETRES.get(problem.drawing.units or "Meters", 1e3)
     shell, order = shell_of(occt, fit, lambda points: factor * (fit.centre + fit.scale * points))
     content = step_content(shell, problem.drawing.name or "compas_cgc", [f"region {number}" for number in order])
-    return content, [f"{len(fit.pieces)} faces in one shell, {fit.accuracy(fit.percentiles(), factor, ' mm')}"]
+    return content, [fit.note(fit.percentiles(), factor, " mm", f"{len(fit.pieces)} faces in one shell, ")]

@@ -74,7 +74,14 @@ def test_panels_are_drawn_as_surfaces_on_demand(design, tmp_path, capsys):
     out = tmp_path / "panels.3dm"
     command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--nurbs"]
     assert main([*command, "--report", str(tmp_path / "panels.json")]) == 0
-    (note,) = json.loads((tmp_path / "panels.json").read_text(encoding="utf-8"))["files"]
+    record = json.loads((tmp_path / "panels.json").read_text(encoding="utf-8"))
+    (note,), (figures,) = record["files"], record["surfaces"]
+    seams = figures["kinks_at_seams"]
+    assert figures["surfaces"] == 8 and len(seams) == 10 and figures["kinks"]["100"] == seams[0]["largest"] >= seams[-1]["largest"]
+    for seam in seams:
+        # Panels are 2 m wide, so that one coordinate of a place on a seam is a multiple of that.
+        x, y, _ = seam["place"]
+        assert len(seam["regions"]) == 2 and min(abs(x - 2.0 * round(x / 2.0)), abs(y - 2.0 * round(y / 2.0))) < 0.02
     assert note.startswith("8 NURBS surfaces") and "kinks at smooth seams" in note and note in capsys.readouterr().out
     names = [item.name for item in list_items(read_archive(out)) if item.layer == "CGC::NURBS"]
     assert sum(name.startswith("region") for name in names) == 8

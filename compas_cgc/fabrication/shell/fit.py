@@ -7,6 +7,7 @@ along one curve, with small kinks along seams that are meant to be smooth.
 
 from __future__ import annotations
 
+from typing import Any
 from typing import Callable
 from typing import NamedTuple
 
@@ -31,7 +32,7 @@ from .heights import curvature
 from .joints import Joints
 from .joints import Region
 
-__all__ = ["AIM", "CLOSE", "LOOSE", "Fit", "Piece", "fitted", "reference", "samples"]
+__all__ = ["AIM", "CLOSE", "LOOSE", "AccuracyNote", "Fit", "Piece", "fitted", "reference", "samples"]
 
 MIN_COSINE = 0.05  # least cosine between the face normals of a region and its direction of projection
 LEVEL_COSINE = 0.6  # least cosine for a projection along the mean normal
@@ -101,6 +102,31 @@ class Piece(NamedTuple):
         return curvature(*(self.space.basis(xy, order) @ self.coefficients for order in SECOND_ORDERS)).K
 
 
+class AccuracyNote(str):
+    """A sentence on the accuracy of smooth surfaces, with its figures.
+
+    Parameters
+    ----------
+    text
+        The sentence.
+    figures
+        ``surfaces`` (their number), ``unit``, ``gap`` and ``distance`` in it, ``curvature_error`` relative to the target and ``kinks``
+        [deg] by percentile, and ``kinks_at_seams``, the largest first: the ``regions`` on both sides, ``median`` and ``largest`` [deg], and
+        the ``place`` of the largest.
+    """
+
+    figures: dict[str, Any]
+
+    def __new__(cls, text: str, figures: dict[str, Any]) -> AccuracyNote:
+        """Return the note."""
+        note = super().__new__(cls, text)
+        note.figures = figures
+        return note
+
+    def __getnewargs__(self) -> tuple[str, dict[str, Any]]:
+        return str(self), self.figures
+
+
 class Fit(NamedTuple):
     """The fitted surfaces of all regions, in a frame of unit size."""
 
@@ -111,6 +137,8 @@ class Fit(NamedTuple):
     curves: list[FloatArray]  # (k, 3) points of every edge on its first surface, in the frame
     gap: float  # largest distance of the second surface from the points of a shared edge [L]
     kinks: FloatArray  # (n,) angles between the normals at the points of shared edges that are meant to be smooth [deg]
+    kink_edges: IntArray  # (n,) edge of each of these points
+    kink_points: FloatArray  # (n, 3) the points, in the frame
     distance: float  # largest distance of a vertex from its surface [L]
     sagitta: float  # largest distance of a face from the surface over it, away from supports [L]
     errors: FloatArray  # (m,) error of K at the face centres relative to its target, NaN where no K is prescribed
@@ -148,6 +176,27 @@ class Fit(NamedTuple):
         if len(self.kinks):
             text += "kinks at smooth seams {:.2g} (50 %), {:.2g} (95 %), {:.2g} degrees (100 %); ".format(*self.kink_percentiles())
         return text + f"error of K away from supports {half:.2g} % (50 %), {most:.2g} % (95 %), {largest:.2g} % (100 %)"
+
+    def note(self, errors: FloatArray, factor: float, unit: str, before: str, after: str = "") -> AccuracyNote:
+        """Return a note on the accuracy, as a sentence and as figures for errors of K (3,); lengths are multiplied by a factor."""
+        percent = ("50", "95", "100")
+        seams = []
+        for number in np.unique(self.kink_edges).tolist():
+            own = np.flatnonzero(self.kink_edges == number)
+            worst = own[np.argmax(self.kinks[own])]
+            place = factor * (self.centre + self.scale * self.kink_points[worst])
+            degrees = {"median": float(np.median(self.kinks[own])), "largest": float(self.kinks[worst])}
+            seams.append({"regions": list(self.edges[number].regions), **degrees, "place": place.tolist()})
+        figures = {
+            "surfaces": len(self.pieces),
+            "unit": unit.strip(),
+            "gap": factor * self.gap,
+            "distance": factor * self.distance,
+            "curvature_error": dict(zip(percent, np.asarray(errors).tolist())),
+            "kinks": dict(zip(percent, self.kink_percentiles().tolist())),
+            "kinks_at_seams": sorted(seams, key=lambda seam: -seam["largest"]),
+        }
+        return AccuracyNote(before + self.accuracy(errors, factor, unit) + after, figures)
 
 
 def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
@@ -317,8 +366,9 @@ class _System:
             sagitta = max(sagitta, float(np.abs(off * upright)[distant[self.label == number]].max(initial=0.0)))
         gap = size * float(np.abs(joined.gaps).max(initial=0.0))
         kinks = np.degrees(np.arcsin(np.clip(np.abs(joined.kinks[self.smooth]), 0.0, 1.0)))
+        smooth = joined.edges[self.smooth], np.concatenate(joined.curves)[self.joints.shared][self.smooth]
         away, distance, sagitta = np.flatnonzero(distant), size * distance, size * sagitta
-        return Fit(pieces, self.centre, size, self.edges, joined.curves, gap, kinks, distance, sagitta, self.errors(x), away)
+        return Fit(pieces, self.centre, size, self.edges, joined.curves, gap, kinks, *smooth, distance, sagitta, self.errors(x), away)
 
 
 def _offsets(piece: Piece, local: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -32,4 +32,4 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
         writer.polyline(fit.centre + fit.scale * points, writer.attributes(layer, f"edge of region {beside}", {"regions": beside}))
     others = [str(region) for region, patch in enumerate(made) if not patch.sides]
     cut = f"; regions without four sides ({', '.join(others)}) extend beyond their edges and are trimmed in .step files" if others else ""
-    return [f"{len(made)} NURBS surfaces, {fit.accuracy(errors, 1.0, unit)}{cut}"]
+    return [fit.note(errors, 1.0, unit, f"{len(made)} NURBS surfaces, ", cut)]
