@@ -22,6 +22,7 @@ from .flattening import strain_of_width
 from .flattening import widest_panel
 from .materials import MATERIALS
 from .materials import Material
+from .materials import bending_stress
 from .mould_surface import Surface
 from .panel_seams import PanelSeam
 from .panelling import Panel
@@ -29,6 +30,7 @@ from .pieces import best_box
 
 __all__ = ["SHORT_SEAM", "Mould", "MouldReport", "PanelFit"]
 
+MAX_NAMED = 20  # panels that would break, named in the text
 SHORT_SEAM = 0.1  # length of seams below which they are named [m]
 
 
@@ -154,7 +156,8 @@ class MouldReport:
             "unit_m": self.unit,
             "edges": self.edges,
         }
-        return {"moulds": moulds, "panels": [own.to_dict() for own in self.panels], **about}
+        panels = [{**own.to_dict(), "stress_95": own.stress_95, "bending_radius_m": self.bending_radius(own)} for own in self.panels]
+        return {"moulds": moulds, "panels": panels, **about}
 
     @property
     def stress_95(self) -> float:
@@ -165,6 +168,10 @@ class MouldReport:
     def overstressed(self) -> list[PanelFit]:
         """Panels that are bent beyond the strength of the material on more than 5 % of their area."""
         return [own for own in self.panels if 1e6 * own.stress_95 > self.material.strength]
+
+    def bending_radius(self, fit: PanelFit) -> float:
+        """Return the radius to which a flat sheet is bent with the same stress as a panel, on 95 % of its area [m]."""
+        return bending_stress(self.material, 1e-3 * self.thickness, 1.0) / max(1e6 * fit.stress_95, 1e-300)
 
     @property
     def edges(self) -> str:
@@ -199,11 +206,15 @@ class MouldReport:
             if most * other.modulus / (1.0 - other.poisson**2) / (own.modulus / (1.0 - own.poisson**2)) <= other.strength
         ]
         how = f", use {' or '.join(others)}" if others else ""
-        which = "all panels" if len(broken) == len(self.panels) else f"panels {', '.join(fit.panel.name for fit in broken)}"
+        order = sorted(broken, key=lambda fit: -fit.stress_95)
+        names = [f"{fit.panel.name} ({_two_digits(self.bending_radius(fit))} m, {_two_digits(fit.stress_95)} MPa)" for fit in order]
+        more = len(names) - MAX_NAMED
+        named = ", ".join(names[:MAX_NAMED]) + (f" and {_many(more, 'other')}, listed in the report" if more > 0 else "")
         return [
             f"NOT BUILDABLE like this: {len(broken)} of {_many(len(self.panels), 'panel')} are bent beyond the strength of "
             f"{self.thickness:g} mm {own.name}, up to {100 * most / strength:.0f} % of it ({_two_digits(1e-6 * most)} of "
-            f"{1e-6 * strength:g} MPa, without safety factor): {which}. Make these panels in their final shape (hot bending, casting) "
+            f"{1e-6 * strength:g} MPa, without safety factor). Panels, with the radius of a flat sheet of the same stress: {named}. "
+            f"Make these panels in their final shape (hot bending, casting) "
             f"instead of bending them from a mould of constant K, use sheets of at most {thinner}{how}"
         ]
 

@@ -37,6 +37,7 @@ ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
 EVENING, LEAST = 8, 0.3  # rounds of weights, and the weight of no distance against that of the largest
+SHORTEST = 0.125  # part of the changes of the K of the moulds, below which a search ends
 ENOUGH = 0.97  # of the norm of the best surface, below which a round has to promise to come
 
 Watch = Callable[[int, int, float], bool]  # rounds done, rounds at most, largest distance [L]; true cancels
@@ -69,7 +70,7 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
 
     From the best of several clusterings, rounds of: linearise the surface in the K of every panel, move a few panels to other moulds
     and fit the K of the moulds on that model, solve the surface, and accept it if its true distance is less; else move fewer panels.
-    A start is given up when its model no longer promises to beat the best surface so far.
+    A start is given up when its model no longer promises to beat the best surface so far; the best one goes on while it gains.
     """
     design = moves.mean_curvatures(np.zeros(len(moves.columns)))
     starts = sorted(_starts(moves, moulds, design), key=lambda placed: placed.norm)
@@ -82,7 +83,7 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
             racer.advance(moves)
             best = racer.here if racer.here.norm < best.norm else best
             done += 1
-        racers = [racer for racer in racers if racer.trust and racer.promise < ENOUGH * best.norm]
+        racers = [racer for racer in racers if racer.open and (racer.promise < ENOUGH * best.norm or (racer.gains and racer.here is best))]
     if watch is not None:
         watch(total, total, best.distance)
     return best
@@ -94,21 +95,30 @@ class _Racer:
     def __init__(self, start: Placed, trust: int):
         self.here = start
         self.trust = trust  # panels that may change their mould in the next round
+        self.length = 1.0  # part of the changes of the K of the moulds that is taken in the next round
         self.promise = start.norm  # by the linear model of the last round [L]
+        self.gains = True  # whether the last round was worth it
+
+    @property
+    def open(self) -> bool:
+        """Whether the next round may change anything."""
+        return self.trust > 0 or self.length >= SHORTEST
 
     def advance(self, moves: NormalMoves) -> None:
-        """Move some panels to other moulds if the solved surface is nearer to the design; else allow fewer moves next time."""
-        there, changed, self.promise = _improved(moves, self.here, self.trust)
+        """Move some panels to other moulds if the solved surface is nearer to the design; else allow less next time."""
+        there, changed, self.promise = _improved(moves, self.here, self.trust, self.length)
+        self.gains = there.norm < ENOUGH * self.here.norm
         if there.norm < self.here.norm:
-            self.here = there
+            self.here, self.length = there, min(1.0, 2.0 * self.length)
         else:
-            self.trust = changed // 3
+            self.trust, self.length = changed // 3, 0.5 * self.length
 
 
-def _improved(moves: NormalMoves, here: Placed, trust: int) -> tuple[Placed, int, float]:
+def _improved(moves: NormalMoves, here: Placed, trust: int, length: float) -> tuple[Placed, int, float]:
     """Return the surface after at most so many panels have moved to other moulds, how many have, and the norm the model predicts.
 
-    Panels that promise little stay, together with all others of their mould, so that few columns of sensitivities are needed.
+    The K of the moulds take a part of their changes in the model, of a given length. Panels that promise little stay, together with all
+    others of their mould, so that few columns of sensitivities are needed.
     """
     sensitivities = moves.sensitivities(here.moves, here.assigned.K)
     own = here.assigned
@@ -122,6 +132,7 @@ def _improved(moves: NormalMoves, here: Placed, trust: int) -> tuple[Placed, int
     locked = np.concatenate([own.locked[panels], np.ones(len(moulds), bool)])
     linear = sensitivities.linear(groups)
     found = search(linear.of(moves.criteria), moves.criteria_mass, Assignment(own.values, classes, own.kept, locked), trust)
+    found = replace(found, values=own.values + length * (found.values - own.values))
     tried = replace(own, values=found.values, classes=found.classes[groups])
     predicted = linear.at(found.K)
     return _solved(moves, tried, predicted), int((found.classes != classes).sum()), _norm(moves, predicted)
@@ -177,10 +188,16 @@ def evened(moves: NormalMoves, placed: Placed) -> Placed:
         linear = stressing.linearised(here.moves, here.assigned.K, groups)
         kept = here.assigned.kept[used]
         grouped = Assignment(here.assigned.values[used], np.arange(len(used)), kept, np.ones(len(used), bool))
-        values = here.assigned.values.copy()
-        values[used] = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values
-        tried = _placed(stressing, replace(here.assigned, values=values), linear.at(values[used]))
-        if not tried.norm < here.norm:
+        changes = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values - grouped.values
+        length = 1.0
+        while length >= SHORTEST:
+            values = here.assigned.values.copy()
+            values[used] += length * changes
+            tried = _placed(stressing, replace(here.assigned, values=values), linear.at(values[used]))
+            if tried.norm < here.norm:
+                break
+            length /= 2.0
+        else:
             break
         here = tried
     return here
