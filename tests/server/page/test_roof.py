@@ -273,5 +273,5 @@ def test_the_tools_on_the_surface(open_server, tmp_path):
         for by in ("zebra", "height", "fit", "mean", "largest", "smallest", "before", ""):
             pick = "const s = document.getElementById('more-colours'); s.value = args[0];"
             hands.read(pick + "s.dispatchEvent(new Event('change', {bubbles: true}))", by)
-            assert hands.shown("#legend") == (by not in ("zebra", ""))
+            wait_for(lambda by=by: hands.shown("#legend") == (by not in ("zebra", "")), what=f"the legend of {by} is wrong")
         assert hands.complaints() == []
