@@ -618,6 +618,7 @@ def test_refusals_are_shown_in_the_words_of_the_server(page, tmp_path):
 
 @pytest.mark.nightly
 def test_the_page_shows_the_curvatures_that_the_server_measured(page):
+    page.complaints()  # those of other tests
     page.example("example2")
     page.at_rest()
     for by in ("fit", "mean", "largest", "smallest"):
