@@ -35,10 +35,6 @@ class Choice(NamedTuple):
 
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
-EVEN, LESS_EVEN = (
-    Choice("bending", "its curvature varies evenly, without the branch points that least bending has where K̄ < 0", {"evenness": length})
-    for length in (0.55, 0.4)
-)
 LAWS = Choice("bending", "it alone takes laws other than constant K")
 DRAWN_IN = Choice("projection", "free edges leave their drawn lines where no fair surface stays over them")
 DRAWN = Choice("projection", "the drawing has a shape, which is kept")
@@ -89,4 +85,4 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         return [HELD, BENDING]
     if keeps_shape(problem):
         return [DRAWN, BENDING]
-    return [BENDING, EVEN, LESS_EVEN, DRAWN_IN] if (problem.targets[problem.asked] < 0.0).any() else [BENDING, DRAWN_IN]
+    return [BENDING, DRAWN_IN]

@@ -156,7 +156,7 @@ def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solu
 
         def by_bending(factor: float, vertices: Optional[FloatArray]) -> Solution:
             own = replace(problem, targets=factor * problem.targets)
-            return polish(own, settings=PolishSettings(steps=STEPS), start=vertices)._replace(method="bending")
+            return polish(own, settings=PolishSettings(steps=STEPS, evenness=0.0), start=vertices)._replace(method="bending")
 
         return by_bending
     from .projection.projector import Projector

@@ -87,7 +87,8 @@ class _Seeker:
     """Surfaces for ever other constants."""
 
     def __init__(self, problem: CGCProblem, settings: PolishSettings, callback: Callback):
-        self.settings, self.callback = settings, callback
+        # The branch that is followed shall not change for how evenly its curvature varies.
+        self.settings, self.callback = replace(settings, evenness=settings.evenness or 0.0), callback
         self.equations: list[Equation] = equations_for_constants(problem)
         self.size = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()))
         drawn = allowed(problem) if has_constants(problem) else guessed(problem)

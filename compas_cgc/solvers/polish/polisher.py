@@ -16,6 +16,7 @@ from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
 from ...errors import names_what_was_meant
+from ...linalg.work import is_spent
 from ...linalg.work import until_spent
 from ...model.frame import Frame
 from ...model.laws import Law
@@ -25,10 +26,10 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Branch
 from ...model.result import Solution
-from ...model.result import SolveState
 from ...model.roles import DUMMY
 from ...model.verdict import Verdict
 from ...model.verdict import verdict
+from ..coarse import Coarse
 from ..coarse import laid_out_anew
 from .lagrangian import Lagrangian
 from .lagrangian import State
@@ -45,6 +46,8 @@ from .starts import starts
 __all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 
 MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
+EVEN = (0.0, 0.55, 0.4)  # lengths over which curvature varies evenly that are tried where least bending may have branch points
+EVENLY = "its curvature varies evenly over {:g} of the size, without the branch points that least bending has"
 SAME = 1e-6  # distance relative to the size, up to which two surfaces are the same
 ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
@@ -52,6 +55,7 @@ RISE_DIGITS = 6  # of the volumes under mirror twins that are compared, in the l
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
 WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
+FLAT = np.zeros(1)  # curvature of a plane
 
 
 @names_what_was_meant()
@@ -99,10 +103,61 @@ def polish(
     >>> polish(plan).status
     'converged'
     """
-    settings = settings or PolishSettings()
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} has no target; set the K̄ of its region"])
+    return _fairest(problem, settings or PolishSettings(), None if start is None else [start], callback).solution
+
+
+class _Found(NamedTuple):
+    """A surface, and how evenly its curvature varies."""
+
+    solution: Solution
+    evenness: float  # against the square root of the area
+
+
+def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list[FloatArray]], callback: Callback) -> _Found:
+    """Return the first fair surface for ever more even curvature, the least first, else the least rough.
+
+    Where the mesh is large this is settled on fewer and even triangles over the same drawing. Begun from surfaces (n, 3) of other targets
+    it is the least.
+    """
+    hyperbolic = (problem.targets[problem.asked] < 0.0).any()
+    hyperbolic = hyperbolic or any((law.discriminant(FLAT, FLAT) < 0.0).any() for law in problem.laws.values())
+    tried = EVEN if hyperbolic and not begun else EVEN[:1]
+    if settings.evenness is not None:
+        tried = (settings.evenness,)
+    small = begun or len(problem.vertices) <= MANY or (problem.roles == DUMMY).any()
+    coarse = None if small else laid_out_anew(problem, COARSE)
+    if coarse is not None:
+        kept = keeps_shape(problem) if settings.keep == "auto" else settings.keep == "shape"
+        before = _fairest(coarse.problem, replace(settings, keep="shape" if kept else "plan"), None, _carried(callback, coarse, not kept))
+        surfaces = [branch.vertices for branch in before.solution.branches] or [before.solution.vertices]
+        begun, tried = [coarse.carried(vertices, anew=not kept) for vertices in surfaces], (before.evenness,)
+    found: list[_Found] = []
+    for evenness in tried:
+        solution = _least_energy(problem, replace(settings, evenness=evenness), begun or [], callback)
+        if evenness and settings.evenness is None:
+            solution = solution._replace(message=f"{solution.message}; {EVENLY.format(evenness)}")
+        found.append(_Found(solution, evenness))
+        if solution.status == "cancelled" or (solution.verdict is not None and solution.verdict.fair):
+            return found[-1]
+        if is_spent():
+            break
+    judged = [own.solution.verdict for own in found]
+    roughness = [math.inf if own is None else own.roughness for own in judged]
+    return found[int(np.argmin(roughness))]
+
+
+def _carried(callback: Callback, coarse: Coarse, anew: bool) -> Callback:
+    """Return what shows the surfaces of a coarser mesh on the mesh itself."""
+    if callback is None:
+        return None
+    return lambda state: callback(state._replace(vertices=coarse.carried(state.vertices, anew=anew)))
+
+
+def _least_energy(problem: CGCProblem, settings: PolishSettings, surfaces: list[FloatArray], callback: Callback) -> Solution:
+    """Return the fair surface of least energy to which surfaces (n, 3) lead, or all starts that are found without any."""
     lagrangian, local, frame, size = posed_as_set(problem, settings)
     moved = np.flatnonzero(problem.roles != DUMMY)[local.movable]
     kept = bool(np.isfinite(lagrangian.waves))
@@ -118,7 +173,6 @@ def polish(
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
     search = _Search(lagrangian, local, size, settings, recorder)
-    surfaces = [start] if start is not None else _on_even_triangles(problem, settings, kept, callback)
     begun = [from_surface(lagrangian, frame.to_local(one)[problem.roles != DUMMY]) for one in surfaces] or starts(lagrangian)
     ends: list[_End] = []
     for state in begun:
@@ -190,7 +244,7 @@ def posed_as_set(problem: CGCProblem, settings: PolishSettings) -> Posed:
         lagrangian = lagrangian.keeping(WAVES * size)
     else:
         lagrangian = over_its_plate(lagrangian)
-    if settings.evenness > 0.0:
+    if settings.evenness:
         lagrangian = lagrangian.evener(settings.evenness)
     return Posed(lagrangian, local, frame, size)
 
@@ -202,23 +256,6 @@ def keeps_shape(problem: CGCProblem) -> bool:
     if float(np.linalg.svd(heights, compute_uv=False)[2]) <= ROUNDING * EPS:
         return False
     return is_kept(posed(local, PolishSettings().fold_length))
-
-
-def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool, callback: Callback) -> list[FloatArray]:
-    """Return the surfaces (n, 3) found on fewer and even triangles over the same drawing, carried over; none for a small mesh."""
-    if len(problem.vertices) <= MANY or (problem.roles == DUMMY).any():
-        return []
-    coarse = laid_out_anew(problem, COARSE)
-    if coarse is None:
-        return []
-
-    def carried(state: SolveState) -> object:
-        assert callback is not None and coarse is not None
-        return callback(state._replace(vertices=coarse.carried(state.vertices, anew=not kept)))
-
-    own = replace(settings, keep="shape" if kept else "plan")
-    found = polish(coarse.problem, settings=own, callback=None if callback is None else carried)
-    return [coarse.carried(branch.vertices, anew=not kept) for branch in found.branches]
 
 
 @dataclass(frozen=True, eq=False)
