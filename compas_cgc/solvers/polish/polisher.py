@@ -49,6 +49,7 @@ MANY, COARSE = 1000, 600  # vertices from which branches are found on even trian
 EVEN = (0.0, 0.55, 0.4)  # lengths over which curvature varies evenly that are tried where least bending may have branch points
 EVENLY = "its curvature varies evenly over {:g} of the size, without the branch points that least bending has"
 SAME = 1e-6  # distance relative to the size, up to which two surfaces are the same
+MIRRORED = 1e-9  # relative difference of mirror images that is rounding
 ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
 RISE_DIGITS = 6  # of the volumes under mirror twins that are compared, in the local frame
@@ -122,8 +123,8 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     Where the mesh is large this is settled on fewer and even triangles over the same drawing. Begun from surfaces (n, 3) of other targets
     it is the least.
     """
-    hyperbolic = (problem.targets[problem.asked] < 0.0).any()
-    hyperbolic = hyperbolic or any((law.discriminant(FLAT, FLAT) < 0.0).any() for law in problem.laws.values())
+    least = problem.targets[problem.asked].min(initial=0.0)
+    hyperbolic = least < 0.0 or any((law.discriminant(FLAT, FLAT) < 0.0).any() for law in problem.laws.values())
     tried = EVEN if hyperbolic and not begun else EVEN[:1]
     if settings.evenness is not None:
         tried = (settings.evenness,)
@@ -175,8 +176,11 @@ def _least_energy(problem: CGCProblem, settings: PolishSettings, surfaces: list[
     search = _Search(lagrangian, local, size, settings, recorder)
     begun = [from_surface(lagrangian, frame.to_local(one)[problem.roles != DUMMY]) for one in surfaces] or starts(lagrangian)
     ends: list[_End] = []
+    starting: list[State] = []
     for state in begun:
-        ends.append(search.ended(state))
+        twin = next((end for first, end in zip(starting, ends) if _mirrors(lagrangian, first, state)), None)
+        ends.append(search.ended(state) if twin is None else _End(lagrangian.at(-twin.state.unknowns), twin.status))
+        starting.append(state)
         # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say.
         enough = kept or bool(surfaces) or bool((lagrangian.types >= 0.0).all())
         if ends[-1].status in ("cancelled", "step_limit") or (ends[-1].arrived and enough and judged(ends[-1]).fair):
@@ -307,6 +311,15 @@ def _distinct(ends: list[_End], lagrangian: Lagrangian, size: float) -> list[_En
         if all(float(np.abs(V - lagrangian.vertices(other.state.unknowns)).max()) > SAME * size for other in found):
             found.append(end)
     return found
+
+
+def _mirrors(lagrangian: Lagrangian, first: State, second: State) -> bool:
+    """Return whether two starts are mirror images at the drawing that lead to mirror images, as those of flat drawings do."""
+    if np.abs(first.unknowns + second.unknowns).max() > MIRRORED * np.abs(first.unknowns).max():
+        return False
+    image = lagrangian.at(-first.unknowns)
+    same = np.abs(image.residuals - first.residuals).max(initial=0.0) <= MIRRORED * np.abs(first.residuals).max(initial=0.0)
+    return bool(same) and abs(image.energy - first.energy) <= MIRRORED * first.energy
 
 
 def _alike(end: _End, other: _End) -> bool:
