@@ -123,8 +123,8 @@ class AccuracyNote(str):
         note.figures = figures
         return note
 
-    def __getnewargs__(self) -> tuple[str, dict[str, Any]]:
-        return str(self), self.figures
+    def __reduce__(self) -> tuple[Any, ...]:
+        return AccuracyNote, (str(self), self.figures)
 
 
 class Fit(NamedTuple):
