@@ -365,7 +365,7 @@ class _System:
             off, upright = _offsets(piece, corners.mean(axis=1))
             sagitta = max(sagitta, float(np.abs(off * upright)[distant[self.label == number]].max(initial=0.0)))
         gap = size * float(np.abs(joined.gaps).max(initial=0.0))
-        kinks = np.degrees(np.arcsin(np.clip(np.abs(joined.kinks[self.smooth]), 0.0, 1.0)))
+        kinks = np.degrees(np.arcsin(np.minimum(joined.sines[self.smooth], 1.0)))
         smooth = joined.edges[self.smooth], np.concatenate(joined.curves)[self.joints.shared][self.smooth]
         away, distance, sagitta = np.flatnonzero(distant), size * distance, size * sagitta
         return Fit(pieces, self.centre, size, self.edges, joined.curves, gap, kinks, *smooth, distance, sagitta, self.errors(x), away)

@@ -39,7 +39,8 @@ class Joined(NamedTuple):
 
     gaps: FloatArray  # (k,) distances of the second surface from the points, signed
     gap_rates: sparse.csr_matrix  # (k, size)
-    kinks: FloatArray  # (k,) sines of the angles between the normals, signed
+    kinks: FloatArray  # (k,) sines of the angles between the normals about the edge, signed
+    sines: FloatArray  # (k,) sines of the angles between the normals, also where the surfaces do not quite meet
     kink_rates: sparse.csr_matrix  # (k, size), without the small effect of points that move on the second surface
     edges: IntArray  # (k,) edge of every point
     curves: list[FloatArray]  # (n, 3) points of every edge on its first surface
@@ -105,11 +106,12 @@ class Joints:
         gaps = (local[:, 2] - other @ x) * two.upright
         turn = np.einsum("ki,ki->k", self.axes[self.shared, 2], two.normals)
         gap_rates = self.lift[self.shared].multiply(turn[:, None]) - other.multiply(two.upright[:, None])
-        kinks = np.einsum("ki,ki->k", self.tangents, np.cross(one.normals, two.normals))
+        across = np.cross(one.normals, two.normals)
+        kinks, sines = np.einsum("ki,ki->k", self.tangents, across), np.linalg.norm(across, axis=1)
         kink_rates = _turned(one, np.asarray(np.cross(two.normals, self.tangents), dtype=np.float64)) + _turned(
             two, np.asarray(np.cross(self.tangents, one.normals), dtype=np.float64)
         )
-        return Joined(gaps, gap_rates.tocsr(), kinks, kink_rates.tocsr(), self.edges, curves)
+        return Joined(gaps, gap_rates.tocsr(), kinks, sines, kink_rates.tocsr(), self.edges, curves)
 
     def smooth(self, kinks: FloatArray, most: float) -> Mask:
         """Return the points of shared edges whose median kink is at most an angle [rad] (k,)."""
