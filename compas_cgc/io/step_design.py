@@ -104,9 +104,9 @@ def main() -> None:
     if sys.platform != "win32":
         import resource
 
-        limit = math.ceil(time.process_time() + float(sys.argv[3]))
+        limit, memory = math.ceil(time.process_time() + float(sys.argv[3])), int(sys.argv[4])
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
-        resource.setrlimit(resource.RLIMIT_DATA, 2 * (int(sys.argv[4]),))
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
     found: Union[DrawnDesign, str]
     try:
         found = _read(path)
