@@ -119,6 +119,12 @@ class Law:
         by_H, by_K = self.first_derivatives(H, K)
         return np.asarray(by_H**2 + 4.0 * by_H * by_K * H + 4.0 * by_K**2 * K)
 
+    @property
+    def type(self) -> str:
+        """``elliptic``, ``parabolic`` or ``hyperbolic`` (discriminant on a plane > 0, = 0, < 0)."""
+        discriminant = float(np.max(self.discriminant(np.zeros(1), np.zeros(1))))
+        return "elliptic" if discriminant > 0.0 else "hyperbolic" if discriminant < 0.0 else "parabolic"
+
     def excluded_within(self, length: float, area: float) -> str:
         """Return why no surface obeys the law within a plane closed curve of this length [L] and area [L^2], empty if one may."""
         return ""
@@ -178,12 +184,6 @@ class _Linear(Law):
     def is_isothermic(self) -> bool:
         # With b = 0 the Hopf differential is holomorphic, so that squares have sides in proportion to 1 / sqrt(k1 - k2).
         return np.ndim(self.coefficients[1]) == 0 and self.coefficients[1] == 0.0
-
-    @property
-    def type(self) -> str:
-        """``elliptic``, ``parabolic`` or ``hyperbolic`` (a² + 4 b c > 0, = 0, < 0)."""
-        discriminant = float(np.max(self.discriminant(np.zeros(1), np.zeros(1))))
-        return "elliptic" if discriminant > 0.0 else "hyperbolic" if discriminant < 0.0 else "parabolic"
 
     @property
     def admissible(self) -> tuple[tuple[float, float], ...]:

@@ -26,8 +26,6 @@ from .settings import Settings
 
 __all__ = ["solved_on", "steps_towards"]
 
-FLAT = np.zeros(1)  # curvature of a plane
-
 
 def solved_on(
     problem: CGCProblem, drawn: CGCProblem, method: str = "auto", settings: Optional[Settings] = None, callback: Callback = None
@@ -82,7 +80,7 @@ def solved_on(
 
 def _of_same_types(problem: CGCProblem, before: CGCProblem) -> bool:
     """Return whether all targets have the same signs, and all laws the same types."""
-    types = [{region: float(np.sign(law.discriminant(FLAT, FLAT))[0]) for region, law in own.laws.items()} for own in (problem, before)]
+    types = [{region: law.type for region, law in own.laws.items()} for own in (problem, before)]
     return np.array_equal(np.sign(problem.targets), np.sign(before.targets), equal_nan=True) and types[0] == types[1]
 
 

@@ -56,7 +56,6 @@ RISE_DIGITS = 6  # of the volumes under mirror twins that are compared, in the l
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
 WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
-FLAT = np.zeros(1)  # curvature of a plane
 
 
 @names_what_was_meant()
@@ -124,7 +123,7 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     it is the least.
     """
     least = problem.targets[problem.asked].min(initial=0.0)
-    hyperbolic = least < 0.0 or any((law.discriminant(FLAT, FLAT) < 0.0).any() for law in problem.laws.values())
+    hyperbolic = least < 0.0 or any(law.type == "hyperbolic" for law in problem.laws.values())
     tried = EVEN if hyperbolic and not begun else EVEN[:1]
     if settings.evenness is not None:
         tried = (settings.evenness,)
@@ -132,7 +131,8 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     coarse = None if small else laid_out_anew(problem, COARSE)
     if coarse is not None:
         kept = keeps_shape(problem) if settings.keep == "auto" else settings.keep == "shape"
-        before = _fairest(coarse.problem, replace(settings, keep="shape" if kept else "plan"), None, _carried(callback, coarse, not kept))
+        settings = replace(settings, keep="shape" if kept else "plan")
+        before = _fairest(coarse.problem, settings, None, _carried(callback, coarse, not kept))
         surfaces = [branch.vertices for branch in before.solution.branches] or [before.solution.vertices]
         begun, tried = [coarse.carried(vertices, anew=not kept) for vertices in surfaces], (before.evenness,)
     found: list[_Found] = []
