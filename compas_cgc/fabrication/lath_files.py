@@ -11,6 +11,7 @@ from .drawing import Text
 from .drawing import clearance
 from .laths import Lath
 from .laths import LathSchedule
+from .legend import outside_note
 from .legend import with_legend
 from .tables import csv_text
 
@@ -87,7 +88,6 @@ def _slots(angles: FloatArray, schedule: LathSchedule) -> FloatArray:
 
 def _notes(schedule: LathSchedule) -> list[str]:
     """Return the conventions of the schedule and the drawing."""
-    above = {True: ", here above everywhere", False: ", here below everywhere", None: ""}[schedule.above]
     near = [f"L{lath.number} at node {node}" for lath in schedule.laths for node in _near_ends(lath, schedule)]
     ends = [f"nodes closer than the width to an end, where the rest of the lath may break off: {', '.join(near)}"] if near else []
     first, second = (_numbers([lath.number for lath in schedule.laths if lath.family == family]) for family in (0, 1))
@@ -96,7 +96,7 @@ def _notes(schedule: LathSchedule) -> list[str]:
         "lengths in mm, angles in degrees; x, y, z: nodes in the coordinates of the model, x and y in plan, z up, with its origin",
         "stations and lengths: along the axis of the lath, at half its width; ends are cut square, at the edge of the surface; edge beams "
         "are not included",
-        f"outside: the side to which the normals of the surface point{above}; the width of the laths lies along the normals",
+        f"{outside_note(schedule.above)}; the width of the laths lies along the normals",
         "station 0 is the start of a lath, in the drawing its left end and in the plan the end beside its number; left and right: for an "
         "observer outside who looks from station 0 along the lath",
         "twist: rotation about the axis per metre, positive for a right-handed screw: the far end is turned clockwise, seen from station 0",

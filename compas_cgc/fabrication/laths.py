@@ -17,6 +17,7 @@ from ..errors import CGCError
 from ..model.given import checked_number
 from .curves import CurveNet
 from .curves.net import NetCurve
+from .legend import outside_is_above
 from .materials import Material
 from .materials import material_named
 from .materials import metres_per_unit
@@ -146,9 +147,7 @@ def lath_schedule(
                 curve.points,
             )
         )
-    up = own_normals[:, 2]
-    above = True if up.min() > 0.0 else False if up.max() < 0.0 else None
-    return LathSchedule(laths, float(width), float(thickness), stuff, unit, float(stock), above)
+    return LathSchedule(laths, float(width), float(thickness), stuff, unit, float(stock), outside_is_above(own_normals))
 
 
 class _Followed(NamedTuple):

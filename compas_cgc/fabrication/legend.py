@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping
 from collections.abc import Sequence
+from typing import Optional
 
 import numpy as np
 
@@ -13,16 +14,21 @@ from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Text
 
-__all__ = ["outside_note", "with_legend"]
+__all__ = ["outside_is_above", "outside_note", "with_legend"]
 
 LINE_PITCH = 1.8  # distance of lines of text, relative to their height
 MIN_LINE = 60  # characters on a line at least
 
 
-def outside_note(normals: FloatArray) -> str:
-    """Return the sentence that defines the outside of a surface with face normals (m, 3)."""
+def outside_is_above(normals: FloatArray) -> Optional[bool]:
+    """Return whether the side to which all normals (m, 3) point is above (True) or below (False), None where it is neither."""
     up = normals[:, 2]
-    where = ", here above everywhere" if up.min() > 0.0 else ", here below everywhere" if up.max() < 0.0 else ""
+    return True if up.min() > 0.0 else False if up.max() < 0.0 else None
+
+
+def outside_note(above: Optional[bool]) -> str:
+    """Return the sentence that defines the outside of a surface, by :func:`outside_is_above`."""
+    where = {True: ", here above everywhere", False: ", here below everywhere", None: ""}[above]
     return f"outside: the side to which the normals of the surface point{where}"
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
+from .legend import outside_is_above
 from .legend import outside_note
 from .materials import metres_per_unit
 from .quads import PlaneQuads
@@ -73,10 +74,10 @@ def _angles(quads: PlaneQuads) -> FloatArray:
 def quad_notes(quads: PlaneQuads) -> list[str]:
     """Return the conventions of tables and drawings of plane quads."""
     outwards = float(np.median(np.einsum("ki,ki->k", quads.axes, _node_normals(quads)))) > 0.0
+    outside = outside_note(outside_is_above(face_normals(quads.problem.vertices, quads.problem.faces)))
     return [
         "lengths in mm; x, y, z: nodes in the coordinates of the model, x and y in plan, z up, with its origin",
-        f"{outside_note(face_normals(quads.problem.vertices, quads.problem.faces))}; faces are seen from outside, their nodes are "
-        "counterclockwise",
+        f"{outside}; faces are seen from outside, their nodes are counterclockwise",
         "sides of a face: from each node to the next, in order; diagonals: from the first node to the third, from the second to the fourth",
         "planarity: largest distance between the diagonals of four consecutive corners",
         "faces end at the axes of the beams: no joint is taken off, and no thickness of faces or beams is assumed; no holes or tolerances "

@@ -21,6 +21,7 @@ from .drawing import clearance
 from .drawing import roomiest
 from .figures import in_mm
 from .figures import metres
+from .legend import outside_is_above
 from .legend import outside_note
 from .legend import with_legend
 from .outlines import Loop
@@ -178,7 +179,7 @@ def _notes(patterns: Patterns) -> list[str]:
     notes = [
         f"material: {stuff}" if stuff else "material and thickness are not given",
         "drawn 1:1; lengths in texts are in mm; pieces are seen from outside, with the size of the surface at the middle of the thickness",
-        outside_note(face_normals(patterns.problem.vertices, patterns.problem.faces)),
+        outside_note(outside_is_above(face_normals(patterns.problem.vertices, patterns.problem.faces))),
         "pieces meet edge to edge: no gap is taken off at seams, and no holes, fixings or tolerances are included",
     ]
     if patterns.stock.grain is not None:
