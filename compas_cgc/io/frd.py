@@ -148,11 +148,13 @@ def _checked_thickness(path: Path, given: Optional[float]) -> float:
         lines = []
     sections = [k for k, line in enumerate(lines) if line.startswith("*MEMBRANE SECTION")]
     written = float(lines[sections[0] + 1].split(",")[0]) if sections else None
-    if written is None and given is None:
-        raise FileError(f"there is no {model.name} beside {path.name}, which states the thickness of the membrane; give the thickness")
-    if written is not None and given is not None and abs(written - given) > 1e-6 * written:
+    if written is None:
+        if given is None:
+            raise FileError(f"there is no {model.name} beside {path.name}, which states the thickness of the membrane; give the thickness")
+        return given
+    if given is not None and abs(written - given) > 1e-6 * written:
         raise FileError(f"{model.name} has a membrane {written:g} thick, not {given:g}, in model units; omit the thickness")
-    return float(written if written is not None else given or 0.0)
+    return written
 
 
 def _tensors(components: FloatArray) -> FloatArray:
