@@ -108,23 +108,8 @@ _NUMBER = Wire(_is_number, "a number")
 
 _AMOUNTS = (
     *("allowance", "area", "aside", "below", "clearance", "crease_stiffness", "depth", "edge_length", "filter_radius", "height", "kerf"),
-    *(
-        "length",
-        "limit",
-        "margin",
-        "nearness",
-        "panel",
-        "pressure",
-        "rise",
-        "s",
-        "size",
-        "smoothness",
-        "spacing",
-        "strain",
-        "thickness",
-        "tolerance",
-    ),
-    *("volume", "weight", "width"),
+    *("length", "limit", "margin", "nearness", "panel", "pressure", "rise", "s", "size", "smoothness", "spacing", "strain", "thickness"),
+    *("tolerance", "volume", "weight", "width"),
 )
 
 # Types by name of the input, which is the same for all components.
