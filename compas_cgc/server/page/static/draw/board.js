@@ -283,16 +283,16 @@ export class Board {
   drag(event) {
     const { press } = this;
     const { line: number, point, column } = press.drag;
-    // From the plan before the drag, so that points passed on the way are not taken along.
-    const { lines } = press.plan;
-    const from = column === undefined ? lines[number].points[point] : undefined;
-    const [x, y] = this.snap(event, press.plan, from).at.map(tidy);
     if (column !== undefined) {
       const grid = this.ink.toPlan(...this.place(event)).map((value) => tidy(Math.round(value / this.ink.step) * this.ink.step));
       this.change({ ...this.plan, columns: this.plan.columns.map((own, k) => (k === column ? { ...own, x: grid[0], y: grid[1] } : own)) }, `column ${column}`);
       return;
     }
+    // From the plan before the drag, so that points passed on the way are not taken along.
+    const { lines } = press.plan;
     const line = lines[number];
+    const from = line.points[point];
+    const [x, y] = this.snap(event, press.plan, from).at.map(tidy);
     const key = `point ${number} ${point}`;
     if (line.circle) {
       const moved = { ...circle(x, y, line.circle.r), held: line.held };
