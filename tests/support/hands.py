@@ -57,6 +57,18 @@ class Hands:
     def seen(self, selector):
         wait_for(lambda: self.shown(selector), what=f"{selector} is not shown")
 
+    def open_example(self, server, name):
+        """Choose an example on the first page of a server."""
+        self.open(f"{server.url}/#new")
+        self.seen(".example")
+        self.click(f"[data-example={name}]")
+        self.seen("#solve")
+
+    def solve(self):
+        """Solve what is shown, and wait for its verdict."""
+        self.click("#solve")
+        wait_for(lambda: self.text(".verdict h2") and not self.shown(BUSY), what="nothing is solved")
+
     def fill(self, selector, text):
         """Type a text into a field, in the place of what is there."""
         self.click(selector)

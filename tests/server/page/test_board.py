@@ -6,7 +6,6 @@ import io
 
 import pytest
 
-from ...support.hands import BUSY
 from ...support.hands import open_hands
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
@@ -43,12 +42,8 @@ def test_creases_and_columns_follow_the_corner_at_which_they_end(tmp_path):
 
 def test_a_lost_graphics_context_is_reported_and_restored(tmp_path):
     with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
-        hands.seen(".example")
-        hands.click("[data-example=example2]")
-        hands.seen("#solve")
-        hands.click("#solve")
-        wait_for(lambda: hands.text(".verdict h2") and not hands.shown(BUSY), what="nothing is solved")
+        hands.open_example(server, "example2")
+        hands.solve()
         assert not hands.shown("#lost")
         before = wait_for(lambda: (own := colours(hands.picture())) > 200 and own, what="the surface is not shown")
         hands.read(f"window.lose = {GRAPHICS}; window.lose.loseContext()")

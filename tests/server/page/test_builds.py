@@ -1,10 +1,9 @@
-"""Builds on the page: what is asked for last is what is shown."""
+"""Builds on the page: the last one that was started is shown."""
 
 from __future__ import annotations
 
 import pytest
 
-from ...support.hands import BUSY
 from ...support.hands import open_hands
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
@@ -16,12 +15,8 @@ TEXTS = "return [...document.querySelectorAll('#sheets svg text')].map((each) =>
 def test_a_title_typed_during_a_build_is_on_the_sheet(tmp_path):
     """Enter starts a build; a second one with another option replaces it, also while the first runs."""
     with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
-        hands.seen(".example")
-        hands.click("[data-example=example2]")
-        hands.seen("#solve")
-        hands.click("#solve")
-        wait_for(lambda: hands.text(".verdict h2") and not hands.shown(BUSY), what="nothing is solved")
+        hands.open_example(server, "example2")
+        hands.solve()
         hands.click("#make-tabs [value=drawings] + span")
         hands.fill("#make-options [name=contours]", "0.5")
         hands.fill("#make-options [name=title]", "Roof at 5$ and 6$")

@@ -22,10 +22,7 @@ def shows(hands, selector, text):
 @pytest.mark.parametrize("browser", ["chromium", "firefox"])
 def test_a_comma_and_a_point_give_the_same_number_and_groups_are_refused(tmp_path, browser):
     with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands(browser, tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
-        hands.seen(".example")
-        hands.click("[data-example=example2]")
-        hands.seen("#solve")
+        hands.open_example(server, "example2")
         for text, shown in (("0,015", "0.015"), ("0.02", "0.02")):
             hands.fill(".region .number", text)
             shows(hands, ".region .number", shown)
