@@ -86,7 +86,7 @@ export class Maker {
     this.source.show(null);
   }
 
-  /** Make what is asked for; a build with other options replaces a running one. */
+  /** Start a build with the chosen options; a build that is still running is cancelled. */
   async make() {
     const job = this.source.job();
     if (!job) return;
