@@ -376,7 +376,8 @@ class Page:
         )
 
     def load(self):
-        # Not what this tab has shown before.
+        # Not what this tab has shown before, nor what other tests made the browser complain of.
+        self.complaints()
         self.window.get("about:blank")
         self.window.get(f"{self.server.url}/#new")
         wait_for(lambda: self.all(".example") or self.all("dialog[open]"), what="the page does not start")
@@ -618,7 +619,6 @@ def test_refusals_are_shown_in_the_words_of_the_server(page, tmp_path):
 
 @pytest.mark.nightly
 def test_the_page_shows_the_curvatures_that_the_server_measured(page):
-    page.complaints()  # those of other tests
     page.example("example2")
     page.at_rest()
     for by in ("fit", "mean", "largest", "smallest"):
