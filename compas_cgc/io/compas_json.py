@@ -154,8 +154,14 @@ def _mesh_of(node: dict) -> CGCMesh:
 
 
 def json_text(surface: PosesProblem) -> str:
-    """Return a mesh, or the mesh of a result or problem, as the text of a COMPAS .json file."""
+    """Return a mesh, or the mesh of a result or problem, as the text of a COMPAS .json file.
+
+    The random identifier that COMPAS gives to every object is left out, so that the same mesh is always the same text.
+    """
+    from compas.data import DataEncoder
+
     from ..datastructures import CGCMesh
 
     mesh = surface if isinstance(surface, CGCMesh) else getattr(surface, "mesh", None) or CGCMesh.from_problem(surface.to_problem())
-    return mesh.to_jsonstring() + "\n"
+    own = {key: value for key, value in mesh.__jsondump__().items() if key != "guid"}
+    return json.dumps(own, cls=DataEncoder) + "\n"

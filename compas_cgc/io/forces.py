@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from typing import Any
 from typing import Union
@@ -11,6 +10,7 @@ from .._atomic_write import replacing
 from .._version import __version__
 from ..fabrication.membrane_state import MembraneState
 from ._files import suffix_among
+from .compas_json import json_text
 from .formats import OUTPUTS
 from .inp import Model
 from .inp import inp_text
@@ -64,4 +64,4 @@ def forces_json(state: MembraneState) -> str:
     for (u, v), load in zip(state.edge_loads.edges.tolist(), state.edge_loads.load.tolist()):
         mesh.edge_attribute((vertices[u], vertices[v]), "line_load", load)
     mesh.attributes["membrane"] = {"version": __version__, "pressure": state.pressure, "weight": state.weight, "report": state.summary()}
-    return json.dumps(json.loads(mesh.to_jsonstring())) + "\n"
+    return json_text(mesh)

@@ -83,6 +83,15 @@ def test_a_mesh_a_problem_and_a_result_are_written_alike(tmp_path, suffix, what)
     assert same_arrays(read(again), read(path))
 
 
+# Objects of .3dm files have random identifiers, as Rhino gives them.
+@pytest.mark.parametrize("suffix", [s for s in SUFFIXES if s != ".3dm"])
+def test_the_same_mesh_is_the_same_file_to_the_last_bit(tmp_path, suffix):
+    one, other = tmp_path / f"one{suffix}", tmp_path / f"other{suffix}"
+    write(one, roof())
+    write(other, roof())
+    assert one.read_bytes() == other.read_bytes()
+
+
 def test_a_constraint_in_a_json_file_that_is_none_is_a_sentence(tmp_path):
     mesh = roof()
     mesh.attributes["goals"] = [{"kind": "height", "vertices": [3], "height": "tall"}]

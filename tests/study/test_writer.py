@@ -35,14 +35,14 @@ def small_study(count=4):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """Return the bytes of the table and the surfaces of a study that one command made."""
+    """Return the bytes of the files of a study that one command made."""
     folder = tmp_path_factory.mktemp("study") / "one"
     run_study(*small_study(), folder)
     return contents(folder)
 
 
 def contents(folder):
-    return (folder / "table.csv").read_bytes(), (folder / "surfaces.npy").read_bytes()
+    return [(folder / name).read_bytes() for name in ("study.json", "drawing.json", "table.csv", "surfaces.npy")]
 
 
 def test_four_commands_on_one_folder_give_the_study_of_one(tmp_path, whole):

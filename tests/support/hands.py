@@ -101,8 +101,8 @@ class ChromiumHands(Hands):
         self.window.execute_cdp_cmd("Emulation.setEmulatedMedia", dict(features=[scheme]))
 
     def read(self, body, *arguments):
-        script = f"const [args, done] = arguments; (async () => {{ {body} }})().then(done)"
-        return self.window.execute_async_script(script, list(arguments))
+        # The promise of a script that is executed is awaited, and a rejected one is an error.
+        return self.window.execute_script(f"return (async (args) => {{ {body} }})([...arguments])", *arguments)
 
     def add_script(self, text):
         self.window.execute_script(text)

@@ -9,6 +9,7 @@ from typing import Callable
 import numpy as np
 
 from ...datastructures import SolveResult
+from ...io.compas_json import json_text
 from ...meshing import crease_paths
 from ...model.roles import ROLES
 from ..errors import Unprocessable
@@ -53,9 +54,7 @@ def encoded(name: str, content: bytes) -> bytes:
     if name in ("arrays", "packed"):
         return _arrays(result, report, name == "packed")
     if name == "compas":
-        from compas.data import json_dumps
-
-        return json_dumps(result.mesh).encode("utf-8")
+        return json_text(result.mesh).encode("utf-8")
     if name == "hops":
         return mesh_text(result.vertices, result.faces).encode()
     return file_bytes(name, result)

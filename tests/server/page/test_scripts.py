@@ -206,7 +206,7 @@ REGIONS = """
 const { Regions } = await import('/page/regions.js');
 const room = document.createElement('div'); room.className = 'regions'; document.body.append(room);
 const regions = new Regions(room, { change() {}, over() {}, name() {}, colour() {} });
-const named = { nameOf: String, colourOf: () => '#888888', reach: () => 0.02, areas: [], unit: 'm' };
+const named = { nameOf: String, colourOf: () => '#888888', reach: () => 0.02, areas: [], laws: {}, unit: 'm' };
 const show = (targets) => regions.show({ ...named, targets });
 const move = (row, place) => { const { slider } = regions.rows[row]; slider.value = place; slider.dispatchEvent(new Event('input')); };
 const told = () => regions.targets.slice();
@@ -246,7 +246,7 @@ def test_the_key_of_a_net_tells_its_families_apart(hands):
         "return drawnOf('net', { curves: args[0].map(([family, kind]) => curve(family, kind)) }).key.map(({ text }) => text)"
     )
     assert hands.read(drawn, [[0, "line of curvature"], [0, "ruling"], [1, "line of curvature"], [0, "ruling"]]) == [
-        "line of curvature, ruling, one way",
-        "line of curvature, the other way",
+        "line of curvature, ruling, first family",
+        "line of curvature, second family",
     ]
     assert hands.read(drawn, [[0, "ruling"], [0, "ruling"]]) == ["ruling"]

@@ -55,7 +55,7 @@ export class Verdict {
    */
   fail(message, shown = false, stopped = false) {
     const parts = [element('h2', stopped ? 'Stopped' : 'Not solved'), element('p', capital(message))];
-    if (shown) parts.push(old('The previous surface is shown.'));
+    if (shown) parts.push(aside('The previous surface is shown.', 'old'));
     this.fill(stopped ? 'warn' : 'bad', parts);
   }
 
@@ -68,7 +68,7 @@ export class Verdict {
   /** Mark the result as out of date. */
   outdate() {
     if (this.room.classList.contains('good') && !this.room.querySelector('.old')) {
-      this.room.querySelector('h2').after(old('Settings have changed since. Solve again to see what they give.'));
+      this.room.querySelector('h2').after(aside('Settings have changed since. Solve again to see what they give.', 'old'));
     }
   }
 
@@ -88,7 +88,7 @@ export class Verdict {
    * @param {string} text
    */
   add(text) {
-    this.room.querySelector('h2').after(old(text));
+    this.room.querySelector('h2').after(aside(text, 'note'));
   }
 
   fill(mood, parts) {
@@ -169,9 +169,9 @@ function part(share) {
   return share >= 1e-4 ? `${readable(100 * share, 2)} %` : readable(share, 2);
 }
 
-function old(text) {
+function aside(text, kind) {
   const note = element('p', text);
-  note.className = 'old';
+  note.className = `aside ${kind}`;
   return note;
 }
 
