@@ -73,9 +73,10 @@ def curvature_changes(surface: Surface, on_form: FloatArray, places: FloatArray,
 
 
 def plate_stress(material: Material, thickness: float, changes: FloatArray) -> FloatArray:
-    """Return the stress of plates bent by principal changes of curvature (..., 2), the larger first in size (...) [Pa].
+    """Return the largest bending stress of plates from principal changes of curvature (..., 2) with their signs (...) [Pa].
 
-    It is ``E t (|Δ1| + ν |Δ2|) / 2 (1 - ν²)`` if both changes have one sign; else the second change is neglected, which is conservative.
+    The principal stresses are ``E t (Δ1 + ν Δ2) / 2 (1 - ν²)`` and ``E t (Δ2 + ν Δ1) / 2 (1 - ν²)``. In a ductile material the von
+    Mises stress counts where it is larger, which it is where the changes have opposite signs.
 
     Parameters
     ----------
@@ -86,9 +87,11 @@ def plate_stress(material: Material, thickness: float, changes: FloatArray) -> F
     changes
         Changes of curvature [1/m].
     """
-    larger, smaller = np.moveaxis(np.abs(changes), -1, 0)
-    with_both = larger + material.poisson * np.where(changes.prod(axis=-1) > 0.0, smaller, 0.0)
-    return np.asarray(bending_stress(material, thickness, 1.0) * with_both, dtype=np.float64)
+    principal = bending_stress(material, thickness, 1.0) * (changes + material.poisson * changes[..., ::-1])
+    largest = np.abs(principal).max(axis=-1)
+    if material.ductile:
+        largest = np.maximum(largest, np.sqrt((principal**2).sum(axis=-1) - principal.prod(axis=-1)))
+    return np.asarray(largest, dtype=np.float64)
 
 
 def mesh_dependent(problem: CGCProblem) -> Mask:

@@ -26,6 +26,8 @@ class Material(NamedTuple):
         Poisson's ratio.
     strength
         Characteristic bending strength without safety factor [Pa].
+    ductile
+        Whether the material yields, so that its strength limits the von Mises stress too.
 
     Examples
     --------
@@ -37,6 +39,7 @@ class Material(NamedTuple):
     modulus: float  # Young's modulus [Pa]
     poisson: float  # ν
     strength: float  # characteristic bending strength without safety factor [Pa]
+    ductile: bool = False  # whether the strength limits the von Mises stress too
 
 
 # Annealed float glass EN 572 and EN 16612; steel S235, EN 1993-1-1; a glass-fibre laminate EN 13706 E23; timber C24, EN 338.
@@ -44,7 +47,7 @@ MATERIALS = {
     own.name: own
     for own in (
         Material("glass", 70e9, 0.23, 45e6),
-        Material("steel", 210e9, 0.3, 235e6),
+        Material("steel", 210e9, 0.3, 235e6, ductile=True),
         Material("gfrp", 23e9, 0.3, 240e6),
         Material("timber", 11e9, 0.3, 24e6),
     )
