@@ -4,12 +4,12 @@ from .curves import curve_net as curve_net
 from .development import Development as Development
 from .development import develop as develop
 from .development import lay_out as lay_out
+from .equilibrium import membrane as membrane
 from .flattening import flatten as flatten
 from .flattening import widest_panel as widest_panel
 from .materials import MATERIALS as MATERIALS
 from .materials import Material as Material
 from .membrane_state import MembraneState as MembraneState
-from .membrane_state import membrane as membrane
 from .mould_report import MouldReport as MouldReport
 from .moulding import moulds as moulds
 from .panelling import Panel as Panel

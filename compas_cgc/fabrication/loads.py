@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..discrete import face_areas
 from ..discrete import face_normals
+from ..discrete import vertex_areas
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vectors
@@ -19,13 +19,13 @@ def nodal_load(vertices: Vertices, faces: Faces, pressure: float, weight: float)
 
     Pressure is distributed by the circumcentric cells of faces (negative at obtuse angles). With these cells the forces in the
     folds around a vertex of constant K balance the pressure; with thirds of the faces the error on irregular meshes is about 10 %,
-    whatever the resolution. Weight is distributed by thirds, so that no nodal weight is negative.
+    whatever the resolution. Weight is distributed by mixed cells, so that no nodal weight is negative. By thirds of the faces,
+    neighbouring vertices of different valence would have different weights, a load that alternates with the mesh.
     """
-    normals, areas = face_normals(vertices, faces), face_areas(vertices, faces)
-    down = np.array([0.0, 0.0, -weight]) * areas[:, None] / 3.0
-    each = pressure * _cells(vertices, faces)[:, :, None] * normals[:, None] + down[:, None]
+    each = pressure * _cells(vertices, faces)[:, :, None] * face_normals(vertices, faces)[:, None]
     total = np.zeros((len(vertices), 3))
     np.add.at(total, faces, each)
+    total[:, 2] -= weight * vertex_areas(vertices, faces, "mixed")
     return total
 
 

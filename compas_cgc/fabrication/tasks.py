@@ -99,7 +99,7 @@ def _unroll(surface: PosesProblem, settings: dict[str, Any]) -> Any:
 
 
 def _membrane(surface: PosesProblem, settings: dict[str, Any]) -> Any:
-    from .membrane_state import membrane
+    from .equilibrium import membrane
 
     return membrane(surface, **settings)
 

@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from compas_cgc import CGCError
+from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.discrete import edge_faces
@@ -17,6 +18,7 @@ from compas_cgc.discrete import face_normals
 from compas_cgc.discrete.topology import within_rings
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication.closing import closed
+from compas_cgc.fabrication.loads import nodal_load
 from compas_cgc.fabrication.membrane_fields import principal_forces
 from compas_cgc.io.forces import write_forces
 from compas_cgc.model.roles import FIXED
@@ -284,3 +286,56 @@ def test_a_saddle_along_the_mesh_is_balanced_with_small_corrections():
         assert np.array_equal(state.problem.vertices[~free], saddle.problem.vertices[~free])
         largest.append(np.abs(state.forces).max())
     assert np.allclose(largest, largest[-1], rtol=0.1)
+
+
+def corner_saddle(faces, vertices) -> CGCProblem:
+    """Return a solved saddle over a square of 15 m on its corners, whose asymptotic curves run along the diagonals."""
+    corners = [int(np.argmin(np.linalg.norm(vertices[:, :2] - corner, axis=1))) for corner in ((0, 0), (15, 0), (15, 15), (0, 15))]
+    return solve(CGCProblem(vertices, faces).with_supports(corners).with_targets(-0.01)).problem
+
+
+def alternating(n):
+    """Return the faces of n by n squares, split along diagonals that alternate."""
+    i, j = np.divmod(np.arange(n * n), n)
+    a = i * (n + 1) + j
+    b, c, d = a + 1, a + n + 2, a + n + 1
+    one, other = np.stack([[a, d, c], [a, c, b]]), np.stack([[a, d, b], [d, c, b]])
+    return np.where(((i + j) % 2 == 0)[None, None], one, other).transpose(0, 2, 1).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("load", [{"weight": 1.0}, {"pressure": -1.5}], ids=["weight", "pressure"])
+def test_forces_out_of_proportion_are_refused_with_the_remedy(load):
+    """Neighbours that move in opposite directions along asymptotes stretch no edge: edge forces were 80,000 per unit load."""
+    saddle = corner_saddle(alternating(16), grid(16, 15.0)[0])
+    with pytest.raises(CGCError, match="forces run along asymptotic curves.* mesh the plan with irregular triangles, as from an outline"):
+        membrane(saddle, **load, close=False)
+
+
+def test_the_remedy_helps():
+    """Self weight of the same saddle on the mesh of an outline."""
+    own = CGCMesh.from_outline([[0, 0, 0], [15, 0, 0], [15, 15, 0], [0, 15, 0]], 1.0).to_problem()
+    state = membrane(corner_saddle(own.faces, own.vertices), weight=1.0)
+    assert state.imbalance < 1e-12 and state.amplification < 1.0
+    assert not any("K < 0" in remark for remark in state.remarks)
+
+
+def test_self_weight_of_a_saddle_along_the_mesh_is_balanced_as_far_as_nodal_loads_are_known():
+    """The forces are those of the irregular mesh, 4.5 (median) and 8 at most; the residual alternates from vertex to vertex."""
+    vertices, faces = grid(24, 15.0)
+    state = membrane(corner_saddle(faces, vertices), weight=1.0)
+    assert state.imbalance < 1e-4 and state.amplification < 1.0 and np.abs(state.forces).max() < 10.0
+    assert any("balance the load up to" in remark and "irregular triangles" in remark for remark in state.remarks)
+    load, reactions = state.totals
+    assert reactions == pytest.approx(-load, abs=1e-4 * np.linalg.norm(load))
+
+
+@pytest.mark.parametrize("load", [{"weight": 1.0}, {"pressure": 1.0}], ids=["weight", "pressure"])
+def test_amplification_of_domes_does_not_depend_on_the_mesh(load):
+    coarse, fine = (membrane(patch(n, 0.02), **load).amplification for n in (12, 24))
+    assert coarse == pytest.approx(fine, rel=0.05) and 0.3 < fine < 2.0
+
+
+def test_neighbours_of_different_valence_carry_the_same_weight():
+    vertices = grid(8, 8.0)[0]
+    load = nodal_load(vertices, alternating(8), 0.0, 1.0)
+    assert load[inside(8, 1)] == pytest.approx(np.tile([0.0, 0.0, -1.0], (49, 1)))
