@@ -88,7 +88,7 @@ _REPORT = _object(
     other_measures={"type": "object", "additionalProperties": NUMBER, "description": "largest error of K by other measures [1/L^2]"},
     regions={"type": "array", "items": {"$ref": "#/components/schemas/Region"}},
     quality={"$ref": "#/components/schemas/Quality"},
-    max_error=PLAIN[float],
+    max_error={**PLAIN[float], "description": "largest |K - target| by the measure, of curvature and targets [1/L^2]"},
     moved_max=NUMBER,
     moved_mean=NUMBER,
 )
@@ -105,7 +105,7 @@ _RESULT = _object(
     ending={**PLAIN[str], "description": "how the method ended"},
     iterations=PLAIN[int],
     seconds=PLAIN[float],
-    max_error={**NUMBER, "description": "largest |K - target| [1/L^2]"},
+    max_error={**NUMBER, "description": "largest residual of K in the equations of the method; that of the surface is in report [1/L^2]"},
     method=PLAIN[str],
     measure=PLAIN[str],
     vertices=_rows(PLAIN[float], "the surface (n, 3) [L]"),

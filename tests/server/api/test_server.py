@@ -96,6 +96,8 @@ def test_a_job_from_hand_in_to_every_format(server, tmp_path):
     arrays = server.client.result(job["id"])
     assert arrays["status"] == "converged" and arrays["max_error"] < 1e-6 and len(arrays["report"]["regions"]) == 1
     assert np.allclose([K for K in arrays["curvature"] if K is not None], 0.5)
+    errors = [abs(K - target) for K, target in zip(arrays["curvature"], arrays["targets"]) if K is not None]
+    assert arrays["report"]["max_error"] == max(errors), "the report has the errors of the surface"
     mesh = compas.json_loads(server.client.result(job["id"], "compas").decode())
     assert isinstance(mesh, CGCMesh) and np.array_equal(mesh.arrays()[0], arrays["vertices"])
     from compas_cgc.io import read_mesh

@@ -1,4 +1,4 @@
-/** Convergence of a solve: largest error and energy by step. */
+/** Convergence of a solve: largest residual and energy by step. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 import uPlot from './vendor/uplot/uPlot.esm.js';

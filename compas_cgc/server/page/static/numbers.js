@@ -47,3 +47,12 @@ export function roundAbove(size) {
   const step = [1, 1.2, 1.6, 2, 3, 4, 5, 6, 8, 10].find((each) => each * decade >= size * (1 - 1e-9)) ?? 10;
   return Number((step * decade).toPrecision(3));
 }
+
+/**
+ * Return the largest absolute value of numbers, of which some may be unknown.
+ * @param {ArrayLike<?number>} values
+ * @returns {number}
+ */
+export function largest(values) {
+  return Array.prototype.reduce.call(values, (high, value) => (Number.isFinite(value) ? Math.max(high, Math.abs(value)) : high), 0);
+}

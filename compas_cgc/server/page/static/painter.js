@@ -1,6 +1,6 @@
 /** Colours of the surface: regions, K and its error, other curvatures, heights, stripes, and the change from the previous solution. */
 
-import { roundAbove } from './numbers.js';
+import { largest, roundAbove } from './numbers.js';
 
 const ROOM = 1.5; // upper end of the colour scale relative to the largest K, so that a surface of constant K is not uniformly dark
 const FINE = 1e-6; // errors below this fraction of the target are shown as zero
@@ -156,10 +156,6 @@ export class Painter {
         return null;
     }
   }
-}
-
-function largest(values) {
-  return values.reduce((high, value) => (Number.isFinite(value) ? Math.max(high, Math.abs(value)) : high), 0);
 }
 
 function most(values) {

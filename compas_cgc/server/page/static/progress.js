@@ -3,13 +3,13 @@
 import { duration, readable } from './numbers.js';
 
 /**
- * Show step, error, energy and time.
+ * Show step, residual, energy and time.
  * @param {HTMLElement} room
  * @param {import('./types.js').Status} status of the job
  */
 export function showProgress(room, status) {
   const parts = [status.state === 'queued' ? 'Waiting in the queue' : `Step ${status.iteration}`];
-  if (status.error !== null) parts.push(`error ${readable(status.error, 2)}`, `energy ${readable(status.energy, 4)}`);
+  if (status.error !== null) parts.push(`residual ${readable(status.error, 2)}`, `energy ${readable(status.energy, 4)}`);
   if (status.elapsed !== null) parts.push(duration(status.elapsed));
   const shown = parts.map((text, i) => {
     const part = document.createElement(i ? 'span' : 'strong');

@@ -1,6 +1,6 @@
 /** Description of a result. */
 
-import { duration, readable } from './numbers.js';
+import { duration, largest, readable } from './numbers.js';
 import { rowOf } from './remedies.js';
 import { capital } from './words.js';
 
@@ -132,12 +132,13 @@ function parted(ending) {
 }
 
 function figures(result, model) {
-  const size = largestTarget(result);
+  const size = largest(result.targets);
   const unit = model.unit ? ` ${model.unit}` : '';
   const { regions, moved_max: moved } = result.report;
-  const most = `${readable(result.max_error, 2)} ${model.curvatureUnit.slice(1)}`;
-  const rows = [['Largest error', most, 'Largest |K − target| of all vertices']];
-  if (size > 0) rows.push(['Relative to the target', part(result.max_error / size)]);
+  const error = largest(result.curvature.map((K, vertex) => K - result.targets[vertex]));
+  const most = `${readable(error, 2)} ${model.curvatureUnit.slice(1)}`;
+  const rows = [['Largest error', most, 'Largest |K − target| of all vertices, with K as it is measured for the colours']];
+  if (size > 0) rows.push(['Relative to the target', part(error / size)]);
   const fits = (regions ?? []).filter((region) => region.target && region.quadric_median !== null);
   if (fits.length) {
     const off = fits.map((region) => region.quadric_median / region.target - 1).reduce((a, b) => (Math.abs(b) > Math.abs(a) ? b : a));
@@ -159,10 +160,6 @@ function details(result) {
   box.append(element('p', capital(isRough(result) ? parted(result.ending).end : result.ending)));
   for (const note of result.report.notes ?? []) box.append(element('p', capital(note)));
   return box;
-}
-
-function largestTarget(result) {
-  return result.targets.reduce((most, K) => (Number.isFinite(K) ? Math.max(most, Math.abs(K)) : most), 0);
 }
 
 function part(share) {
