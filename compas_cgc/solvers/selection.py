@@ -13,6 +13,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.space_form import EXACT
+from ..model.goals.wholes import Unknown
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
@@ -164,13 +165,14 @@ def _closed(problem: CGCProblem, found: Solution, settings: Settings, callback: 
     """Return the nearest surface to one that was found whose triangles are congruent to those of its moulds."""
     if found.status != "converged":
         return found
-    asked = found.with_found(problem)
+    # The last step takes the K that was found as given.
+    asked = found.with_found(problem).with_goals([goal for goal in problem.goals if not isinstance(goal, Unknown)], add=False)
     method, options = METHODS["projection"], {"keep": "shape"}
     own = run_method(method, asked.with_vertices(found.vertices), settings=settings, options=options, callback=callback)
     judged = verdict(asked.with_vertices(own.vertices), problem.vertices)
     moved = float(np.linalg.norm(own.vertices - found.vertices, axis=1).max())
     message = f"{own.message}; the last step to congruent triangles moved vertices by up to {moved:.3g}; before that: {found.message}"
-    return own._replace(message=message, verdict=judged, targets=found.targets, branches=found.branches)
+    return own._replace(message=message, verdict=judged, targets=found.targets, laws=found.laws, branches=found.branches)
 
 
 def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]], why: str = "") -> Solution:

@@ -44,3 +44,18 @@ def test_a_target_that_is_there_stays_and_bounds_fix_no_curvature():
     corners.set_target(0.004)
     result = solve(corners, goals=[Rise(2.5)])
     assert result.problem.region_targets()[0] == 0.004
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["at once", "from the result"])
+def test_the_exact_measure_takes_the_k_that_was_found(again):
+    drawn = plan("corners")
+    drawn.set_target(0.03)
+    found = solve(drawn, goals=[Rise(2.0)], unknown="all")
+    start, more = (found.mesh, {}) if again else (drawn, {"goals": [Rise(2.0)], "unknown": "all"})
+    exact = solve(start, settings={"measure": "exact"}, **more)
+    K = found.problem.region_targets()[0]
+    assert exact.converged and exact.verdict.fair and exact.measure == "exact" and "solved for" in exact.summary
+    assert exact.problem.region_targets()[0] == pytest.approx(K, rel=5e-3) and K < 0.01
+    assert exact.curvature[exact.problem.asked] == pytest.approx(exact.problem.region_targets()[0], rel=1e-9)
+    assert np.ptp(exact.vertices[:, 2]) == pytest.approx(2.0, abs=1e-9)
+    assert np.abs(exact.vertices - found.vertices).max() < 0.02

@@ -58,10 +58,9 @@ def find_laws(
         if part.law is not None:
             laws.update(dict.fromkeys(np.unique(region[mesh.owner == owner]).tolist(), part.law))
             notes.append(f"{part.label} prescribes {_shown(part.law)}")
-    if set(solved) == set(range(count)):
-        laws.update({r: law for r, law in solved.items() if law is not None})
-        notes.append(f"targets of an earlier result were used for {count} region{'' if count == 1 else 's'} without other targets")
-    elif solved:
+    earlier = {r: law for r, law in solved.items() if law is not None} if set(solved) == set(range(count)) else {}
+    laws.update(earlier)
+    if solved and not earlier:
         notes.append("the regions of an earlier result do not match this mesh; their targets were ignored")
     by_dot: dict[int, Drawn] = {}
     diagnostics: list[str] = []
@@ -78,6 +77,16 @@ def find_laws(
         if distance > 0.0:
             notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was assigned to the nearest region, {r}")
         laws[r] = item.law
+    kept = [r for r in earlier if r not in by_dot]
+    other = [r for r, item in by_dot.items() if r in earlier and item.law != earlier[r]]
+    if kept:
+        notes.append(f"targets of an earlier result were used for {len(kept)} {_regions(len(kept))} without other targets")
+    if other:
+        these = "this target" if len(other) == 1 else "these targets"
+        notes.append(
+            f"an earlier result has other values than the targets drawn in {len(other)} {_regions(len(other))}; the drawn ones were used. "
+            f"Delete {these} to keep the values of the result, or make K unknown again"
+        )
     without = [r for r in range(count) if r not in laws] if laws else []
     notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]
     targets = np.full(len(mesh.vertices), np.nan)
@@ -88,6 +97,10 @@ def find_laws(
         targets[mesh.faces[known, corner]] = value[known]
     others = {r: law for r, law in sorted(laws.items()) if not isinstance(law, ConstantCurvature)}
     return targets, others, notes, [Diagnostic(text) for text in diagnostics]
+
+
+def _regions(count: int) -> str:
+    return "region" if count == 1 else "regions"
 
 
 def _shown(law: Law, space: str = " ") -> str:

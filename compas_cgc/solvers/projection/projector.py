@@ -107,7 +107,7 @@ class Projector:
         self.settings = settings or ProjectionSettings()
         if self.settings.measure in EXACT and unknown_regions(problem):
             raise ProblemError(
-                [f"K is not found in the measure {self.settings.measure}; find it in the measure defect, then ask for it here"]
+                [f"the method projection finds no K in the measure {self.settings.measure}; use the method auto, which finds K first"]
             )
         self.problem = guessed(problem)
         drawn, self._frame = self.problem.local()

@@ -12,6 +12,7 @@ from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
 from compas_cgc import Height
 from compas_cgc import OnPlane
+from compas_cgc import Rise
 from compas_cgc import solve
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.discrete import vertex_areas
@@ -247,6 +248,17 @@ def test_targets_given_elsewhere_come_back_from_the_regions_of_the_result(tmp_pa
     write_result(tmp_path / "c.3dm", solve(mesh), sketch.save(tmp_path / "a.3dm"))
     changed = read_3dm(tmp_path / "c.3dm")
     assert any("do not match this mesh" in note for note in changed.notes) and np.isnan(changed.problem.targets).all()
+
+
+def test_a_note_says_where_drawn_targets_differ_from_those_of_an_earlier_result(tmp_path):
+    write_problem(tmp_path / "a.3dm", problem().to_problem())
+    drawn = read_3dm(tmp_path / "a.3dm")
+    result = solve(mesh_of(drawn), goals=[Rise(2.0)], unknown=[1])
+    write_result(tmp_path / "b.3dm", result, tmp_path / "a.3dm")
+    back = read_3dm(tmp_path / "b.3dm")
+    assert [mesh_of(back).region_target(r) for r in range(2)] == [mesh_of(drawn).region_target(r) for r in range(2)]
+    assert any("other values than the targets drawn in 1 region; the drawn ones were used" in note for note in back.notes)
+    assert not any("without other targets" in note for note in back.notes)
 
 
 def test_a_result_alone_is_the_next_input(tmp_path):
