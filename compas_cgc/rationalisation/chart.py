@@ -22,6 +22,7 @@ FIRST_SPANS, MAX_SPANS = 8, 128  # of the spline along the longer side
 LEAST_AROUND = 6  # spans around a closed direction, so that harmonics of second order are distinct
 STIFFNESS = 1e-9  # of the bending of a spline, against deviations, where data leave it open
 STEEPEST = 0.1  # least cosine between a face and the plane, about 84 degrees
+STEEP, STEEP_PART = 0.33, 0.1  # cosine of faces that the plane shows a third as long, and the part of the surface that may be steeper
 
 
 class Chart(NamedTuple):
@@ -40,6 +41,7 @@ class Fitted(NamedTuple):
 
     surface: SplineSurface
     deviation: float  # largest distance of a point from that with its parameters [L]
+    uv: FloatArray  # (k, 2) parameters of the points
 
 
 def chart_of(vertices: FloatArray, faces: IntArray) -> Optional[Chart]:
@@ -54,6 +56,8 @@ def chart_of(vertices: FloatArray, faces: IntArray) -> Optional[Chart]:
     tries = [np.sign(mean[2] or 1.0) * up, mean / max(float(np.linalg.norm(mean)), 1e-300)]
     for number, normal in enumerate(tries):
         if float((unit @ normal).min(initial=1.0)) < (3.0 * STEEPEST if number == 0 else STEEPEST):
+            continue
+        if number and float(area[sound][unit @ normal < STEEP].sum()) > STEEP_PART * float(area.sum()):
             continue
         if number == 0:
             side = np.array([1.0, 0.0, 0.0])
@@ -71,8 +75,12 @@ def fitted_surface(
     tolerance: float,
     period: Optional[FloatArray] = None,
     poles: tuple[bool, bool] = (False, False),
+    corrections: int = 0,
 ) -> Fitted:
     """Return a bicubic spline through points with given parameters, with the fewest spans that meet a tolerance.
+
+    Parameters that are not smooth, such as those of a map around the corners of holes, need corrections: after a fit, each point
+    takes the parameters of the closest point of the spline, and the spline is fitted again.
 
     Parameters
     ----------
@@ -86,6 +94,13 @@ def fitted_surface(
         ``(2,)`` of parameters that close, infinite for others [L]. Default: none closes.
     poles
         Whether the first and the last value of the second parameter are one point each.
+    corrections
+        How often parameters are corrected for each number of spans. Points with the first or last value of a parameter that does
+        not close keep it.
+
+    References
+    ----------
+    Hoschek, *Intrinsic parametrization for approximation*, 1988, doi:10.1016/0167-8396(88)90017-9.
     """
     closed = np.zeros(2, bool) if period is None else np.isfinite(period)
     low, high = uv.min(axis=0), uv.max(axis=0)
@@ -93,21 +108,24 @@ def fitted_surface(
         high = np.where(closed, low + period, high)
         uv = np.where(closed, low + np.mod(uv - low, np.where(closed, period, 1.0)), uv)
     extent = np.maximum(high - low, 1e-12)
-    best, spans = None, FIRST_SPANS
+    best: Optional[Fitted] = None
+    spans = FIRST_SPANS
     while spans <= MAX_SPANS:
         counts = np.maximum(np.where(closed, LEAST_AROUND, 2), np.round(spans * extent / extent.max())).astype(int)
         if best is not None and int(np.prod(counts + DEGREE)) > len(points):
             break
         knots = [_knots(a, b, n, ring) for a, b, n, ring in zip(low, high, counts, closed.tolist())]
-        control, deviation = _fit(uv, points, knots, closed, poles)
-        best = (knots, control, deviation)
-        if deviation <= tolerance:
-            break
+        for k in range(corrections + 1):
+            control, deviation = _fit(uv, points, knots, closed, poles)
+            homogeneous = np.concatenate([control, np.ones((*control.shape[:2], 1))], axis=2)
+            best = Fitted(SplineSurface(homogeneous, (knots[0], knots[1]), (DEGREE, DEGREE)), deviation, uv)
+            if deviation <= tolerance:
+                return best
+            if k < corrections:
+                uv = best.surface.foot(points, uv, ((uv == low) | (uv == high)) & ~closed)
         spans *= 2
     assert best is not None
-    knots, control, deviation = best
-    control = np.concatenate([control, np.ones((*control.shape[:2], 1))], axis=2)
-    return Fitted(SplineSurface(control, (knots[0], knots[1]), (DEGREE, DEGREE)), deviation)
+    return best
 
 
 def _knots(low: float, high: float, spans: int, closed: bool) -> FloatArray:

@@ -22,6 +22,7 @@ from ..model.problem import Drawing
 from .chart import Fitted
 from .chart import chart_of
 from .chart import fitted_surface
+from .rims import rims_of_closed
 from .spline_surface import SplineSurface
 from .unwrapping import Unwrapped
 from .unwrapping import unwrapped
@@ -34,6 +35,7 @@ DesignInput = Union[str, os.PathLike, SplineSurface, Any]
 
 TOLERANCE = 1e-4  # of the size of a mesh, within which it is fitted by default
 LARGEST_DEVIATION = 0.01  # of the size, from which a fitted surface is no longer the design
+CORRECTIONS = 2  # of the parameters of vertices for each number of spans; more change little
 ON_SIDE = 1e-3  # of a mean edge, within which a rim is a side of the rectangle around it
 
 
@@ -172,7 +174,11 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
         over = Unwrapped(chart.to_local(vertices[used])[:, :2], used, np.full(2, np.inf), (False, False), tuple(boundary_loops(faces)))
     else:
         over = unwrapped(vertices, faces)
-    fitted = fitted_surface(over.uv, vertices[over.vertices], wanted, over.period, over.poles)
+    points = vertices[over.vertices]
+    fitted = fitted_surface(over.uv, points, wanted, over.period, over.poles)
+    if chart is None and fitted.deviation > wanted:
+        corrected = fitted_surface(over.uv, points, wanted, over.period, over.poles, CORRECTIONS)
+        fitted = min(fitted, corrected, key=lambda own: own.deviation)
     if fitted.deviation > LARGEST_DEVIATION * size:
         raise MeshError(
             f"the smooth surface fitted to the mesh deviates from it by {fitted.deviation:.3g}, {100.0 * fitted.deviation / size:.2g} % "
@@ -181,10 +187,12 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
         )
     notes = () if fitted.deviation <= wanted else (_note(fitted, wanted),)
     uv = np.zeros((len(vertices), 2))
-    uv[over.vertices] = over.uv
+    uv[over.vertices] = fitted.uv
     rims = tuple(uv[loop] for loop in over.rims)
     edge = float(np.median(np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1)))
-    if len(rims) == 1 and _is_rectangle(rims[0], ON_SIDE * edge):
+    if rims and np.isfinite(over.period).any():
+        rims = tuple(rims_of_closed(fitted.surface.domain, over.period, rims))
+    elif len(rims) == 1 and _is_rectangle(rims[0], ON_SIDE * edge):
         rims = ()
     quads = None
     if all(len(face) == 4 for face in polygons):

@@ -40,8 +40,11 @@ def level_seams(surface: SplineSurface, moulds: int, rims: Sequence[FloatArray] 
     size = float(np.hypot(*spans))
     uv = plane.to_parameters(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2))
     K = surface.gaussian(uv).reshape(GRID + 1, GRID + 1)
+    # Both ends of a parameter that closes are the same lines: one of them is left out, and repeated afterwards.
+    once = tuple(slice(None, -1 if closes else None) for closes in surface.closed)
     modes = ["wrap" if closes else "nearest" for closes in surface.closed]
-    K = gaussian_filter(K, [SMOOTHING * size * GRID / span for span in spans], mode=modes)
+    K = gaussian_filter(K[once], [SMOOTHING * size * GRID / span for span in spans], mode=modes)
+    K = np.pad(K, [(0, int(closes)) for closes in surface.closed], mode="wrap")
     values, _ = next(clusterings([K.ravel()], within_rims(uv, rims).astype(np.float64), moulds, False))
     values = np.sort(values)
     lines: list[FloatArray] = []

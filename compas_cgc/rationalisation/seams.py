@@ -17,13 +17,16 @@ from ..meshing.polyline import resample_all
 from .curve_panels import Lengths
 from .curve_panels import curve_panels
 from .curve_panels import parameter_rim
+from .curve_panels import refuse_distorted
 from .design import Design
 from .grid_panels import grid_lines
 from .grid_panels import grid_panels
 from .level_seams import level_seams
 from .panelling import Panelling
 from .quad_panels import quad_panels
+from .spline_surface import SplineSurface
 from .streamlines import even_lines
+from .unwrapping import contiguous
 
 __all__ = ["PANELS", "SeamsInput", "panels_of"]
 
@@ -71,6 +74,7 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
     surface, rims = design.surface, list(design.rims) or [parameter_rim(design.surface)]
     if not len(drawn) and seams not in ("levels", *LINES):
         return _grid(design, width, edges)
+    refuse_distorted(surface, rims)
     plane = Lengths.of(surface, rims)
     area = float(np.prod([own[-1] for own in plane.lengths]))
     edge = width / edges if edges is not None and panel is not None else float(np.sqrt(area / VERTICES))
@@ -83,7 +87,8 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
         lines = level_seams(surface, LEVELS, design.rims)
     else:
         lines = [_on_surface(design, plane, line, edge) for line in drawn]
-    return curve_panels(surface, rims, [_over_rim(plane, rims, line, edge) for line in lines], edge)
+    pieces = [piece for line in lines for piece in _pieces(surface, line)]
+    return curve_panels(surface, rims, [_over_rim(plane, rims, piece, edge) for piece in pieces], edge)
 
 
 def _faces(design: Design, edges: Optional[int]) -> Panelling:
@@ -112,6 +117,7 @@ def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
     if not design.trimmed:
         return grid_panels(surface, (first, second), number)
     rims = list(design.rims)
+    refuse_distorted(surface, rims)
     for k, offset in enumerate(OFFSETS):
         lines = []
         for axis, values in enumerate((first, second)):
@@ -144,6 +150,22 @@ def _on_surface(design: Design, plane: Lengths, line: FloatArray, edge: float) -
     if away[within].max() > AWAY * edge:
         raise MeshError(f"a seam is up to {away[within].max():.3g} away from the design; draw it on the surface, or project it there")
     return found[within]
+
+
+def _pieces(surface: SplineSurface, line: FloatArray) -> list[FloatArray]:
+    """Return a seam (k, 2) as pieces within the domain, where parameters close."""
+    if not any(surface.closed):
+        return [line]
+    import shapely
+
+    spans = np.ptp(surface.domain, axis=1)
+    line = np.column_stack([contiguous(line[:, k], spans[k]) if surface.closed[k] else line[:, k] for k in range(2)])
+    turns = np.floor((np.array([line.min(axis=0), line.max(axis=0)]) - surface.domain[:, 0]) / spans).astype(int)
+    shifts = [range(-turns[1, k], 1 - turns[0, k]) if surface.closed[k] else (0,) for k in range(2)]
+    copies = shapely.MultiLineString([line + spans * [i, j] for i in shifts[0] for j in shifts[1]])
+    (u0, u1), (v0, v1) = surface.domain.tolist()
+    cut = shapely.intersection(copies, shapely.box(u0, v0, u1, v1))
+    return [shapely.get_coordinates(part) for part in shapely.get_parts(cut) if part.length > 0.0]
 
 
 def _over_rim(plane: Lengths, rims: Sequence[FloatArray], line: FloatArray, edge: float) -> FloatArray:

@@ -19,8 +19,9 @@ from ..errors import MeshError
 from ..linalg import factorise
 from ..meshing.boundary import boundary_loops
 
-__all__ = ["Unwrapped", "unwrapped"]
+__all__ = ["Unwrapped", "contiguous", "unwrapped"]
 
+LARGEST_SCALE = 3.0  # of lengths of a conformal map, from which a surface closes so far that a pole and a rim describe it better
 SECOND = 0.25  # of the longest rim, from which the second longest is an end of a tube and not a hole
 BINS = 64  # along a tube, over which its lengths are measured
 STIFFEST = 1e-9  # of the mean cotangent weight, that every edge has at least, so that maps exist on meshes with slivers
@@ -33,15 +34,15 @@ class Unwrapped(NamedTuple):
     vertices: IntArray  # (k,) the vertex of every pair of parameters; a pole has several
     period: FloatArray  # (2,) of each parameter that closes [L], infinite for others
     poles: tuple[bool, bool]  # whether the first and the last value of the second parameter are one point each
-    rims: tuple[IntArray, ...]  # loops of vertices that are not sides of the parameters
+    rims: tuple[IntArray, ...]  # loops of vertices that are not sides of the parameters; holes only where a parameter closes
 
 
 def unwrapped(vertices: FloatArray, faces: IntArray) -> Unwrapped:
     """Return parameters of a mesh by its topology.
 
     A disc, with holes or without, is mapped conformally; a tube is a rectangle that closes in one direction, its ends
-    are the two longest rims; a closed surface without handles is a tube between its lowest and highest vertex; a ring with one
-    handle closes in both directions.
+    are the two longest rims; a closed surface without handles is a tube between its lowest and highest vertex, and one that is
+    nearly closed a tube between its rim and the vertex opposite; a ring with one handle closes in both directions.
 
     Raises
     ------
@@ -65,7 +66,8 @@ def unwrapped(vertices: FloatArray, faces: IntArray) -> Unwrapped:
     if handles == 0 and _is_tube(vertices, loops):
         return _tube(vertices, faces, loops)
     if handles == 0:
-        return _disc(vertices, faces, loops)
+        flat = _disc(vertices, faces, loops)
+        return flat if _scale(vertices, faces, flat) <= LARGEST_SCALE else _cap(vertices, faces, loops)
     if handles == 1 and not loops:
         return _torus(vertices, faces)
     raise MeshError(
@@ -115,8 +117,9 @@ def _tube(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> Unwra
     if vertices[first, 2].mean() > vertices[last, 2].mean():
         first, last = last, first
     uv, used = _around_and_along(vertices, faces, first, last)
-    turn = _area(vertices, faces) / float(np.ptp(uv[:, 1]))
+    turn = _turn(vertices, faces, uv, used)
     uv = _turned_as(faces, uv, used, np.array([1.0, np.inf]))
+    uv[:, 0] = _started_beside(uv[:, 0], used, holes)
     return Unwrapped(uv * [turn, 1.0], used, np.array([turn, np.inf]), (False, False), tuple(holes))
 
 
@@ -125,24 +128,60 @@ def _sphere(vertices: FloatArray, faces: IntArray) -> Unwrapped:
     used = np.unique(faces)
     heights = vertices[used, 2]
     ends = [int(used[np.argmin(heights)]), int(used[np.argmax(heights)])]
+    return _to_poles(vertices, faces, [], ends, [])
+
+
+def _cap(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> Unwrapped:
+    """Return the parameters of a surface that is nearly closed: those of a tube between its longest rim and the farthest vertex."""
+    rim, *holes = sorted(loops, key=lambda own: -_length(vertices, own))
+    edges = edge_faces(faces)
+    lengths = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
+    graph = sparse.csr_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(vertices),) * 2)
+    away = dijkstra(graph, directed=False, indices=rim, min_only=True)
+    away[~np.isfinite(away)] = 0.0
+    away[np.concatenate(loops)] = 0.0
+    return _to_poles(vertices, faces, [rim], [int(np.argmax(away))], holes)
+
+
+def _to_poles(vertices: FloatArray, faces: IntArray, rims: list[IntArray], ends: list[int], holes: list[IntArray]) -> Unwrapped:
+    """Return the parameters of a surface between a rim and a pole, or two poles."""
     around = [(faces == end).any(axis=1) for end in ends]
-    if (around[0] & around[1]).any():
+    if np.count_nonzero(np.array(around), axis=0).max() > 1:
         raise MeshError("the closed design has too few faces to find its shape; refine the mesh")
-    body = faces[~(around[0] | around[1])]
+    body = faces[~np.any(around, axis=0)]
     rings = [np.setdiff1d(faces[own], [end]) for own, end in zip(around, ends)]
     loops = boundary_loops(body)
-    if len(loops) != 2:
-        raise MeshError("the lowest or highest vertex of the closed design has no ring of faces around it; repair or refine the mesh")
-    first = next(loop for loop in loops if np.isin(loop, rings[0]).all())
-    last = next(loop for loop in loops if loop is not first)
-    uv, own = _around_and_along(vertices, body, first, last)
+    if len(loops) != 2 + len(holes):
+        raise MeshError(
+            "a pole of the closed design, its lowest or highest vertex or the one farthest from its rim, has no ring of faces around it; "
+            "repair or refine the mesh"
+        )
+    sides = [*rims, *(next(loop for loop in loops if np.isin(loop, ring).all()) for ring in rings)]
+    uv, own = _around_and_along(vertices, body, sides[0], sides[1])
     uv = _turned_as(body, uv, own, np.array([1.0, np.inf]))
+    uv[:, 0] = _started_beside(uv[:, 0], own, holes)
+    turn = _turn(vertices, body, uv, own)
     gaps = [float(np.linalg.norm(vertices[ring] - vertices[end], axis=1).mean()) for ring, end in zip(rings, ends)]
-    v = np.concatenate([uv[:, 1], np.full(BINS, -gaps[0]), np.full(BINS, float(uv[:, 1].max()) + gaps[1])])
+    top = float(uv[:, 1].max()) + gaps[-1]
+    heights = [-gaps[0], top] if len(ends) == 2 else [top]
     u = np.concatenate([uv[:, 0], *(np.arange(BINS) / BINS for _ in ends)])
-    turn = _area(vertices, faces) / float(np.ptp(v))
+    v = np.concatenate([uv[:, 1], np.repeat(heights, BINS)])
     every = np.concatenate([own, np.repeat(ends, BINS)])
-    return Unwrapped(np.column_stack([u * turn, v]), every, np.array([turn, np.inf]), (True, True), ())
+    return Unwrapped(np.column_stack([u * turn, v]), every, np.array([turn, np.inf]), (len(ends) == 2, True), tuple(holes))
+
+
+def _scale(vertices: FloatArray, faces: IntArray, flat: Unwrapped) -> float:
+    """Return how many times longer lengths are in one part of a map than in another, for nine tenths of the surface."""
+    uv = np.zeros((len(vertices), 2))
+    uv[flat.vertices] = flat.uv
+    one, other = (uv[faces[:, k]] - uv[faces[:, 0]] for k in (1, 2))
+    p, q = (vertices[faces[:, k]] - vertices[faces[:, 0]] for k in (1, 2))
+    area = np.linalg.norm(np.cross(p, q), axis=1)
+    scale = np.sqrt(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / np.maximum(area, 1e-300))
+    order = np.argsort(scale)
+    share = np.cumsum(area[order]) / area.sum()
+    low, high = np.interp([0.05, 0.95], share, scale[order])
+    return float(high / max(low, 1e-300))
 
 
 def _torus(vertices: FloatArray, faces: IntArray) -> Unwrapped:
@@ -172,6 +211,39 @@ def _around_and_along(vertices: FloatArray, faces: IntArray, first: IntArray, la
     path = _path(vertices, faces, first, last)
     u = _angle(vertices, faces, path)
     return np.column_stack([u[used], _along(vertices, faces, v)[used]]), used
+
+
+def _turn(vertices: FloatArray, faces: IntArray, uv: FloatArray, used: IntArray) -> float:
+    """Return the length around a surface, on the average along it, from its area and that of its parameters (k, 2) [L]."""
+    every = np.zeros((len(vertices), 2))
+    every[used] = uv
+    one, other = (every[faces[:, k]] - every[faces[:, 0]] for k in (1, 2))
+    one[:, 0], other[:, 0] = (step[:, 0] - np.round(step[:, 0]) for step in (one, other))
+    return 2.0 * _area(vertices, faces) / float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+
+
+def _started_beside(u: FloatArray, used: IntArray, holes: list[IntArray]) -> FloatArray:
+    """Return angles (k,) in turns from 0 up to 1 that begin where the largest gap between holes is, in its middle."""
+    if not holes:
+        return u - u.min()
+    # The angles at which holes begin and end; a gap follows where no hole covers the turn up to the next beginning.
+    spans = []
+    for loop in holes:
+        along = contiguous(u[np.searchsorted(used, loop)], 1.0)
+        spans.append((float(along.min()) % 1.0, float(np.ptp(along))))
+    spans.sort()
+    starts = np.array([start for start, _ in spans] + [spans[0][0] + 1.0])
+    ends = np.maximum.accumulate([start + length for start, length in spans])
+    ends = np.maximum(ends, ends[-1] - 1.0)
+    gaps = starts[1:] - ends
+    widest = int(np.argmax(gaps))
+    return np.mod(u - (ends[widest] + 0.5 * max(float(gaps[widest]), 0.0)), 1.0)
+
+
+def contiguous(values: FloatArray, period: float) -> FloatArray:
+    """Return the values (k,) of a parameter that closes, along a loop, without jumps by its period."""
+    steps = np.diff(values)
+    return values - np.concatenate([[0.0], np.cumsum(period * np.round(steps / period))])
 
 
 def _turned_as(faces: IntArray, uv: FloatArray, used: IntArray, period: FloatArray) -> FloatArray:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import compas_cgc
+from compas_cgc.discrete import face_areas
 from compas_cgc.errors import MeshError
+from compas_cgc.meshing.boundary import boundary_loops
 from compas_cgc.rationalisation import read_design
+from compas_cgc.rationalisation.seams import panels_of
 from compas_cgc.rationalisation.unwrapping import unwrapped
 
 
@@ -49,6 +53,28 @@ def ring(s, t):
 def wall(s, t):
     angle = 1.5 * np.pi * s
     return 5.0 * np.cos(angle), 5.0 * np.sin(angle), 4.0 * t
+
+
+def frustum(s, t):
+    radius = 4.0 - 1.5 * t
+    return radius * np.cos(2 * np.pi * s), radius * np.sin(2 * np.pi * s), 8.0 * t
+
+
+def barrel(s, t):
+    radius = 3.0 + 4.0 * t * (1.0 - t) + 0.1 * np.cos(6 * np.pi * s)
+    return radius * np.cos(2 * np.pi * s), radius * np.sin(2 * np.pi * s), 10.0 * t
+
+
+def with_windows(mesh, windows, radius: float = 1.2):
+    """Return a mesh around z without the faces near given angles and heights."""
+    vertices, faces = mesh
+    x, y, z = vertices[faces].mean(axis=1).T
+    apart = np.ones(len(faces), bool)
+    for angle, height in windows:
+        around = (np.arctan2(y, x) - angle + np.pi) % (2 * np.pi) - np.pi
+        apart &= np.hypot(around * np.hypot(x, y), z - height) > radius
+    used, faces = np.unique(faces[apart], return_inverse=True)
+    return vertices[used], faces.reshape(-1, 3)
 
 
 def egg(s, t):
@@ -95,6 +121,53 @@ def test_closed_designs_and_towers_are_rationalised():
         found = compas_cgc.rationalise(mesh, panel=panel, edges=4, moulds=4)
         assert found.result.converged and found.result.verdict.fair, found.result.message
         assert found.distance.largest < 0.02 * found.design.surface.size
+
+
+@pytest.mark.parametrize(
+    ("shape", "windows"),
+    [
+        (tower, [(0.0, 5.0)]),
+        (tower, [(np.pi, 4.0), (-2.0, 6.0)]),
+        (frustum, [(0.5, 4.0)]),
+        # Together these windows leave no line between the ends that crosses none of them.
+        (tower, [(k * np.pi / 3, 3.0 + 3.5 * (k % 2)) for k in range(6)]),
+    ],
+    ids=["tower", "two windows", "frustum", "all around"],
+)
+def test_a_tube_with_windows_is_meshed_around_them(shape, windows):
+    vertices, faces = mesh = with_windows(rolled(shape, 60, 40), windows, 1.75 if len(windows) > 2 else 1.2)
+    design = read_design(mesh)
+    assert design.surface.closed == (True, False)
+    assert design.deviation < 2e-4 * design.surface.size
+    made = panels_of(design, 3.0, 5)
+    # The mesh has the same ends and windows, so that it is closed along the line where its parameters close.
+    assert len(boundary_loops(made.faces)) == len(boundary_loops(faces)) == 2 + len(windows)
+    assert np.isclose(face_areas(made.vertices, made.faces).sum(), face_areas(vertices, faces).sum(), rtol=0.02)
+    lengths = np.linalg.norm(made.vertices[made.faces] - made.vertices[np.roll(made.faces, 1, axis=1)], axis=2)
+    # Six tenths are aimed at; edges are shorter beside the saw-tooth rims of windows.
+    assert 0.4 < np.median(lengths) < 0.75 and lengths.max() < 3.0 * 0.6
+    assert cKDTree(vertices).query(made.vertices)[0].max() < 0.4
+
+
+def test_a_tower_with_a_window_is_rationalised():
+    found = compas_cgc.rationalise(with_windows(rolled(barrel, 48, 24), [(1.0, 5.0)]), panel=3.0, edges=5, moulds=4)
+    assert found.result.converged and found.result.verdict.fair, found.result.message
+    assert found.distance.largest < 0.01 * found.design.surface.size
+
+
+def test_level_lines_meet_where_parameters_close():
+    faces = panels_of(read_design(rolled(tower, 48, 20)), 3.0, seams="levels").faces
+    assert len(boundary_loops(faces)) == 2
+
+
+def test_a_nearly_closed_design_is_a_tube_to_a_pole():
+    vertices, faces = rolled(ball, 48, 32, poles=True)
+    used, open_ = np.unique(faces[vertices[faces, 2].min(axis=1) > -2.5], return_inverse=True)
+    design = read_design((vertices[used], open_.reshape(-1, 3)))
+    assert design.surface.closed == (True, False) and not design.trimmed and design.deviation < 2e-4 * design.surface.size
+    # Along curves it would be meshed in a rectangle, one side of which is the pole.
+    with pytest.raises(MeshError, match="too far from flat"):
+        panels_of(design, 2.0, seams="levels")
 
 
 def test_what_cannot_be_unwrapped_is_refused_with_the_cause():
