@@ -94,8 +94,8 @@ class ChromiumHands(Hands):
         self.window.get("about:blank")
         self.window.get(url)
 
-    def size(self, width, height, dark):
-        touch = dict(width=width, height=height, deviceScaleFactor=1, mobile=False)
+    def size(self, width, height, dark, ratio=1):
+        touch = dict(width=width, height=height, deviceScaleFactor=ratio, mobile=False)
         self.window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", touch)
         scheme = dict(name="prefers-color-scheme", value="dark" if dark else "light")
         self.window.execute_cdp_cmd("Emulation.setEmulatedMedia", dict(features=[scheme]))
@@ -116,13 +116,14 @@ class ChromiumHands(Hands):
     def click(self, selector, dx=0, dy=0):
         self.drag(selector, 0, 0, dx, dy)
 
-    def drag(self, selector, right, down, dx=0, dy=0):
+    def drag(self, selector, right, down, dx=0, dy=0, shift=False):
         x, y = self.at(selector, dx, dy)
+        held = {"modifiers": 8} if shift else {}
         self._mouse("mouseMoved", x, y)
-        self._mouse("mousePressed", x, y, button="left", clickCount=1, buttons=1)
+        self._mouse("mousePressed", x, y, button="left", clickCount=1, buttons=1, **held)
         for part in (0.5, 1.0) if right or down else ():
-            self._mouse("mouseMoved", x + part * right, y + part * down, button="left", buttons=1)
-        self._mouse("mouseReleased", x + right, y + down, button="left", clickCount=1)
+            self._mouse("mouseMoved", x + part * right, y + part * down, button="left", buttons=1, **held)
+        self._mouse("mouseReleased", x + right, y + down, button="left", clickCount=1, **held)
 
     def type(self, text):
         from selenium.webdriver.common.keys import Keys
@@ -137,7 +138,7 @@ class ChromiumHands(Hands):
     def press(self, name):
         from selenium.webdriver.common.keys import Keys
 
-        named = {"Enter": Keys.ENTER, "ArrowLeft": Keys.ARROW_LEFT}
+        named = {"Enter": Keys.ENTER, "ArrowLeft": Keys.ARROW_LEFT, "Delete": Keys.DELETE}
         self.window.switch_to.active_element.send_keys(named[name])
 
     def picture(self):

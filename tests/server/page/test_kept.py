@@ -13,14 +13,15 @@ from ...support.server_process import wait_for
 pytestmark = pytest.mark.nightly
 
 OVER = ".verdict h2"
-# What is kept in the browser: id, rise and whether a surface is with it.
+# What is kept in the browser: id, rise, whether a surface is with it, and the rises of its history.
 KEPT = (
     "const base = await new Promise((done) => { const asked = indexedDB.open('compas_cgc', 1);"
     " asked.onupgradeneeded = () => asked.result.createObjectStore('designs', { keyPath: 'id' });"
     " asked.onsuccess = () => done(asked.result); });"
     "const all = await new Promise((done) => {"
     " const asked = base.transaction('designs').objectStore('designs').getAll(); asked.onsuccess = () => done(asked.result); });"
-    "base.close(); return all.map((own) => [own.id, own.data?.wishes?.rise ?? null, Boolean(own.solution), own.states?.length ?? 0])"
+    "const rise = (own) => own.data?.wishes?.rise ?? null;"
+    "base.close(); return all.map((own) => [own.id, rise(own), Boolean(own.solution), (own.states ?? []).map(rise)])"
 )
 # The times in ms since the beginning of the page: of the first verdict, and how many solves were asked for.
 WATCH = (
@@ -61,8 +62,8 @@ def test_a_reload_shows_the_solved_roof_without_a_solve(hands, server):
     solved_example(hands, server.url)
     words = hands.text(".verdict dl")
     wait_for(lambda: any(own[1] for own in kept(hands).values()), what="the surface is not stored")
-    hands.read("location.reload()")
-    _, solves = wait_for(lambda: hands.read(WATCH), what="nothing is shown")
+    hands.read("window.before = true; location.reload()")
+    _, solves = wait_for(lambda: hands.read(f"if (window.before) return null; {WATCH}"), what="nothing is shown")
     assert solves == 0 and hands.text(".verdict dl") == words
     assert "Shown as stored" in hands.text(".verdict")
 
@@ -97,18 +98,25 @@ def test_two_tabs_with_the_same_design_lose_nothing(server, tmp_path):
         solved_example(hands, server.url)
         wait_for(lambda: len(kept(hands)) == 1)
         id = hands.read("return sessionStorage.getItem('compas_cgc.design')")
-        first = hands.window.current_window_handle
+        tabs = [hands.window.current_window_handle]
         hands.window.switch_to.new_window("tab")
         # As the browser does when a tab is duplicated.
         hands.open(f"{server.url}/page/main.js")
         hands.read(f"sessionStorage.setItem('compas_cgc.design', '{id}')")
         hands.open(f"{server.url}/")
         wait_for(lambda: hands.read(WATCH), what="nothing is shown")
-        for rise in ("1.5", "2.5"):
-            hands.fill("[name=rise]", rise)
-            wait_for(lambda rise=rise: float(rise) in [own[0] for own in kept(hands).values()], what="not stored")
-            hands.window.switch_to.window(first)
-        assert sorted(own[0] for own in kept(hands).values()) == [1.5, 2.5]
+        tabs.append(hands.window.current_window_handle)
+        edits = [[2.5, 2.6, 2.7], [1.5, 1.6, 1.7]]
+        for k in range(3):
+            for tab in (1, 0):
+                hands.window.switch_to.window(tabs[tab])
+                rise = edits[tab][k]
+                hands.fill("[name=rise]", rise)
+                wait_for(lambda rise=rise: rise in [own[0] for own in kept(hands).values()], what="not stored")
+        found = sorted(kept(hands).values())
+        assert [own[0] for own in found] == [1.7, 2.7]
+        for own, rises in zip(found, reversed(edits)):
+            assert [rise for rise in own[2] if rise in rises] == rises, "each tab has all of its own edits"
         assert "another tab" in hands.text("#share-said") and hands.read("return sessionStorage.getItem('compas_cgc.design')") != id
 
 

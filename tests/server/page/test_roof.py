@@ -138,7 +138,8 @@ def test_lines_of_dxf_files_are_read_as_they_are(open_server, tmp_path):
     ezdxf = pytest.importorskip("ezdxf", reason="the extra fabrication is not installed")
     drawing = ezdxf.new(units=4)
     space = drawing.modelspace()
-    for a, b in (((0, 0), (10, 0)), ((10, 0), (10, 6)), ((0, 6), (10, 6)), ((0, 6), (0, 0))):
+    # Curves outside of the outline would be left out.
+    for a, b in (((0, -10), (50, -10)), ((50, -10), (50, 10)), ((0, 10), (50, 10)), ((0, 10), (0, -10))):
         space.add_line(a, b)
     space.add_lwpolyline([(2, 2, 1), (4, 2, 1)], format="xyb", close=True)
     space.add_circle((7, 3), 1)
@@ -157,9 +158,9 @@ def test_lines_of_dxf_files_are_read_as_they_are(open_server, tmp_path):
         hands.seen(".example")
         unit, lines, columns = json.loads(
             hands.read(
-                "const { planOfDxf } = await import('/page/draw/dxf.js');"
+                "const { Api } = await import('/page/api.js');"
                 "const { areaOf, segmentsOf } = await import('/page/draw/plan.js');"
-                "const plan = planOfDxf(args[0]);"
+                "const plan = await new Api(() => null).plan(new File([args[0]], 'plan.dxf'), 'dxf');"
                 "const size = (l) => segmentsOf(l).reduce((s, [a, b]) => s + Math.hypot(a[0] - b[0], a[1] - b[1]), 0);"
                 "const lines = plan.lines.map((l) => [l.closed, l.closed ? areaOf(l.points) : size(l)]);"
                 "return JSON.stringify([plan.unit, lines, plan.columns])",
@@ -169,7 +170,7 @@ def test_lines_of_dxf_files_are_read_as_they_are(open_server, tmp_path):
     closed = sorted(size for is_closed, size in lines if is_closed)
     opened = sorted(size for is_closed, size in lines if not is_closed)
     assert unit == "mm" and [(own["x"], own["y"]) for own in columns] == [(5, 5)]
-    assert closed == pytest.approx([3.1416, 3.1416, 25.133, 60], rel=3e-3)
+    assert closed == pytest.approx([3.1416, 3.1416, 25.133, 1000], rel=3e-3)
     assert opened == pytest.approx(sorted([15.708, length]), rel=3e-3)
 
 
@@ -192,7 +193,7 @@ def test_what_is_drawn_is_not_lost(open_server, tmp_path):
         for text in ("5, 0", "6<90"):
             hands.type(f"{text}\n")
         hands.click("#draw-tools [value=column] + span")
-        wait_for(lambda: "Fold 6 m" in hands.text("#plan-list"), what="the fold is lost with the tool")
+        wait_for(lambda: "Crease 6 m" in hands.text("#plan-list"), what="the fold is lost with the tool")
         hands.click("#draw-tools [value=line] + span")
         hands.click("#draw-field")
         for text in ("1, 1", "2<0"):

@@ -25,8 +25,7 @@ export class Dots {
   put(vertices, xyz) {
     this.vertices = vertices;
     // Smaller dots if there are many.
-    const size = Math.max(7, 13 * Math.min(1, Math.sqrt(40 / Math.max(1, vertices.length))));
-    this.points.material.size = size * Math.min(2, window.devicePixelRatio);
+    this.points.material.size = Math.max(7, 13 * Math.min(1, Math.sqrt(40 / Math.max(1, vertices.length))));
     this.points.geometry.dispose();
     this.points.geometry = new THREE.BufferGeometry();
     this.points.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * vertices.length), 3));

@@ -1,6 +1,7 @@
 /** A model as the page works with it. */
 
 import { regionColour } from './colours.js';
+import { heldIn } from './design/edits.js';
 import { Graph } from './mesh/graph.js';
 import { pack } from './packed.js';
 
@@ -15,6 +16,7 @@ export class Model {
     this.problems = data.problems;
     this.supports = data.supports;
     this.choice = data.support_choice;
+    this.held = heldIn(data);
     this.creases = data.creases;
     this.goals = data.goals;
     this.targets = data.targets;

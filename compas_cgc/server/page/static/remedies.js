@@ -88,7 +88,7 @@ function meshing(studio, { edge_length: length, edge_scale: factor }) {
 export function changed(data, { settings, method, supports, release, targets, scale, unknown, without, flip }) {
   if (settings) return { ...data, settings: { ...data.settings, ...settings } };
   if (method) return data.method === method ? null : { ...data, method, settings: {} };
-  if (supports) return data.supports[supports]?.length && !isSame(heldIn(data), data.supports[supports]) ? withChoice(data, supports) : null;
+  if (supports) return data.supports[supports]?.length && !isSame(heldIn(data), heldIn({ ...data, support_choice: supports })) ? withChoice(data, supports) : null;
   if (release) return release.every((vertex) => heldIn(data).includes(vertex)) ? withHeld(data, release, false) : null;
   if (flip) return { ...data, faces: data.faces.map((face) => face.toReversed()) };
   if (without) {

@@ -38,12 +38,14 @@ export class Scene {
     this.controls.minDistance = 0.3;
     this.controls.maxDistance = 30;
     this.controls.addEventListener('change', () => this.draw());
+    this.controls.addEventListener('start', () => (this.chosen = true));
     this.still = window.matchMedia('(prefers-reduced-motion: reduce)');
     this.surface = null;
     this.goal = null;
     this.frame = 0;
     this.plain = false;
     this.framed = false;
+    this.chosen = false; // whether somebody chose the view
     this.after = () => {};
     /** @type {(gone: boolean) => void} called when the browser takes the graphics away, and when it gives them back */
     this.lost = () => {};
@@ -119,6 +121,7 @@ export class Scene {
   fit(keep = true) {
     if (!this.surface) return;
     this.framed = true;
+    this.chosen = false;
     // The resize observer reports a new size only later.
     this.measure();
     const back = keep ? this.camera.position.clone().sub(this.controls.target).normalize() : FROM;
@@ -138,7 +141,7 @@ export class Scene {
 
   /** @param {number[]} view */
   set view(view) {
-    this.framed = true;
+    this.framed = this.chosen = true;
     this.measure();
     this.tangents();
     this.camera.position.fromArray(view);
@@ -272,6 +275,7 @@ export class Scene {
     else if (event.key === 'f') this.fit();
     else return;
     event.preventDefault();
+    this.chosen = event.key !== 'f';
     this.controls.update();
     this.draw();
   }

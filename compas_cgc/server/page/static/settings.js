@@ -61,7 +61,7 @@ export class Settings {
 
   /** @returns {number[]} the vertices that are held */
   get supports() {
-    return this.model.supports[this.model.choice];
+    return this.model.held;
   }
 
   /** @returns {{supports: number[], method: string, settings: object}} the same as fields of a request */

@@ -116,7 +116,7 @@ export class Solving {
   /** Return the last surface as an initial guess, if the request differs only by its targets. */
   last(request) {
     const { result, solved } = this;
-    const leads = result?.method === 'projection' && result.report.verdict?.fair && !result.faces && !solved.unknown;
+    const leads = result?.report.verdict?.fair && !result.faces && !solved.unknown;
     if (!leads || !isSameBut(request, solved)) return {};
     return { last: { vertices: pack(result.xyz, 'f8', [result.xyz.length / 3, 3]), targets: solved.targets } };
   }
@@ -222,7 +222,7 @@ export class Solving {
     crown.show(model, result.xyz, settings.supports);
     crown.on = true;
     this.studio.mark(result.report.verdict?.places ?? []);
-    if (!before) scene.fit();
+    if (!before && !scene.chosen) scene.fit();
     scene.flush();
     this.verdict.show(result, model);
     this.remedy(result.report.remedies);

@@ -246,8 +246,8 @@ export class Studio {
     this.settings.show(model);
     this.goals.show(data.wishes, model);
     this.regions.follow(Boolean(data.wishes?.found && data.wishes.rise != null));
-    if (shape || old.supports !== data.supports || old.support_choice !== data.support_choice) this.limit.clear();
-    const held = heldIn(data);
+    const { held } = model;
+    if (shape || heldIn(old) !== held) this.limit.clear();
     showColumns($('columns'), model, held, (vertices, height) => this.edit(withHeight(this.data, vertices, height), `height ${vertices}`));
     this.scene.surface.setSupports(held);
     this.scene.surface.extras.rooms(this.roomsOf(data));
@@ -261,7 +261,7 @@ export class Studio {
     if (!this.model.turn(faces)) return;
     this.painter.show(this.model);
     this.scene.show(this.model, true);
-    this.scene.surface.setSupports(heldIn(this.data));
+    this.scene.surface.setSupports(this.model.held);
     this.scene.surface.extras.rooms(this.roomsOf(this.data));
   }
 

@@ -62,7 +62,7 @@ export class Surface {
     this.group = new THREE.Group();
     this.group.add(this.mesh, this.edges, this.creases, this.supports.points, this.rough.points, this.extras.group);
     for (const part of this.group.children) part.frustumCulled = false;
-    this.setSupports(model.supports[model.choice]);
+    this.setSupports(model.held);
     this.place(this.xyz);
     this.paint();
   }

@@ -5,13 +5,20 @@
 import { lifted } from '../mesh/lift.js';
 import { regionsOf } from '../mesh/graph.js';
 
+/** @type {WeakMap<number[], number[]>} a choice of supports together with the columns, so that the same choice is the same array */
+const WITH_COLUMNS = new WeakMap();
+
 /**
- * Return the supported vertices.
+ * Return the supported vertices: those of the choice, and the drawn columns unless supports were chosen one by one.
  * @param {Data} data
  * @returns {number[]} vertices
  */
-export function heldIn(data) {
-  return data.supports[data.support_choice];
+export function heldIn({ columns = [], supports, support_choice: choice }) {
+  const own = supports[choice];
+  const more = choice === 'hand' ? [] : columns.filter((vertex) => vertex >= 0 && !own.includes(vertex));
+  if (!more.length) return own;
+  if (!WITH_COLUMNS.has(own)) WITH_COLUMNS.set(own, [...own, ...more].sort((a, b) => a - b));
+  return WITH_COLUMNS.get(own);
 }
 
 /**
@@ -28,20 +35,17 @@ export function withHeld(data, vertices, hold) {
     else held.delete(vertex);
   }
   const hand = [...held].sort((a, b) => a - b);
-  const heights = Object.fromEntries(Object.entries(data.heights ?? {}).filter(([vertex]) => held.has(Number(vertex))));
-  return raised({ ...data, supports: { ...data.supports, hand }, support_choice: 'hand', heights });
+  return raised({ ...data, supports: { ...data.supports, hand }, support_choice: 'hand' });
 }
 
 /**
- * Select one of the choices of supports.
+ * Select one of the choices of supports; heights of vertices that are not supported now are kept for later.
  * @param {Data} data
  * @param {string} choice
  * @returns {Data}
  */
 export function withChoice(data, choice) {
-  const held = new Set(data.supports[choice]);
-  const heights = Object.fromEntries(Object.entries(data.heights ?? {}).filter(([vertex]) => held.has(Number(vertex))));
-  return raised({ ...data, support_choice: choice, heights });
+  return raised({ ...data, support_choice: choice });
 }
 
 /**
@@ -63,8 +67,9 @@ export function withHeight(data, vertices, height) {
 /** @param {Data} data */
 function raised(data) {
   const before = data.ground ?? data.vertices;
-  if (!Object.keys(data.heights).length) return data.ground ? { ...data, vertices: before, ground: undefined } : data;
-  return { ...data, ground: before, vertices: lifted(before, heldIn(data), data.heights) };
+  const held = heldIn(data);
+  if (!held.some((vertex) => data.heights?.[vertex])) return data.ground ? { ...data, vertices: before, ground: undefined } : data;
+  return { ...data, ground: before, vertices: lifted(before, held, data.heights) };
 }
 
 /**

@@ -2,7 +2,7 @@
 
 import { numberIn } from '../fields.js';
 import { Ink } from './ink.js';
-import { boundsOf, circle, rolesOf, segmentsOf, tidy, withLength, withMoved } from './plan.js';
+import { boundsOf, circle, isAt, placesOf, rolesOf, segmentsOf, tidy, withCorner, withLength, withMoved, without } from './plan.js';
 import { snapped } from './snap.js';
 import { typedPoint } from './typed.js';
 
@@ -12,8 +12,8 @@ const HINTS = {
   rectangle: ['Click a corner.', 'Click the opposite corner, or type both sides: 12, 8.'],
   circle: ['Click the centre.', 'Click a point on the circle, or type the radius.'],
   column: ['Click the position of a column, or type its coordinates.', ''],
-  hold: ['Click the supported sides. If there are none, the whole edge is supported.', ''],
-  move: ['Drag points and columns. Click a dimension to change it.', ''],
+  hold: ['Click the supported sides and corners. If there are none, the whole edge is supported.', ''],
+  move: ['Drag points and columns. Shift selects several, one by one or in a frame; Delete removes them. Click a dimension to change it.', ''],
 };
 
 const ON = [
@@ -59,6 +59,8 @@ export class Board {
     this.hot = null;
     this.press = null;
     this.asking = null;
+    /** @type {number[][]} the places that are selected */
+    this.chosen = [];
     this.trouble = ''; // error in the typed text
     this.typing.field.value = '';
   }
@@ -101,13 +103,28 @@ export class Board {
 
   draw() {
     if (!this.plan) return;
-    const { draft, pointer, tool, hot } = this;
-    this.ink.draw(this.plan, { draft, pointer, tool, hot, shape: this.shape(pointer?.at) });
+    const { draft, pointer, tool, hot, press } = this;
+    // Of the selected places, undo may have moved some.
+    this.chosen = this.places().filter(isAt(this.chosen));
+    this.ink.draw(this.plan, { draft, pointer, tool, hot, shape: this.shape(pointer?.at), chosen: this.chosen, band: press?.band ?? null });
     const [begin, next] = tool === 'line' && this.hasOutline() ? ON : HINTS[tool];
     this.typing.hint.textContent = this.trouble || (this.asking ? 'Type the new length.' : draft.length ? next : begin);
     const places = !draft.length && !this.asking;
     this.typing.label.textContent = this.asking ? 'Length' : places ? 'Position' : tool === 'rectangle' ? 'Sides' : tool === 'circle' ? 'Radius' : 'Length';
     this.typing.field.parentElement.hidden = (tool === 'move' || tool === 'hold') && !this.asking;
+  }
+
+  /** Return the places of all points, circles and columns. */
+  places() {
+    return [...this.plan.lines.flatMap(placesOf), ...this.plan.columns.map(({ x, y }) => [x, y])];
+  }
+
+  /** Return the places of what is under the pointer; of a side, those of its line. */
+  placesAt(found) {
+    if (!found || found.label) return [];
+    if (found.column !== undefined) return [[this.plan.columns[found.column].x, this.plan.columns[found.column].y]];
+    const all = placesOf(this.plan.lines[found.line]);
+    return found.point === undefined ? all : [all[found.point]];
   }
 
   hasOutline() {
@@ -142,8 +159,8 @@ export class Board {
     this.press = { at: this.place(event), view: { ...this.ink.view }, moved: false, several: this.fingers.size > 1, pan: event.button === 1 || event.button === 2 };
     if (this.tool !== 'move' || this.press.pan) return;
     this.hot = this.under(event);
-    this.press.drag = this.hot?.point !== undefined || this.hot?.column !== undefined ? this.hot : null;
-    this.press.plan = this.plan;
+    const [from] = this.hot?.segment === undefined ? this.placesAt(this.hot) : [];
+    Object.assign(this.press, { from, frame: !from && event.shiftKey, plan: this.plan, chosen: from && isAt(this.chosen)(from) ? this.chosen : from && [from] });
   }
 
   move(event) {
@@ -156,8 +173,11 @@ export class Board {
     }
     const at = this.place(event);
     if (press && Math.hypot(at[0] - press.at[0], at[1] - press.at[1]) > CLICK_TOLERANCE) press.moved = true;
-    if (press?.moved && press.drag) this.drag(event);
-    else if (press?.moved && (press.pan || this.tool === 'move' || this.tool === 'hold')) {
+    if (press?.moved && press.from) this.drag(event);
+    else if (press?.moved && press.frame) {
+      press.band = [press.at, at];
+      this.draw();
+    } else if (press?.moved && (press.pan || this.tool === 'move' || this.tool === 'hold')) {
       const { x, y, scale } = press.view;
       this.ink.view = { x: x - (at[0] - press.at[0]) / scale, y: y + (at[1] - press.at[1]) / scale, scale };
       this.draw();
@@ -174,9 +194,13 @@ export class Board {
     const { press } = this;
     this.lift(event);
     if (!press || press.several || press.pan) return;
-    if (press.moved && (press.drag || this.tool === 'move' || this.tool === 'hold')) return;
+    if (press.band) this.frame(press.band);
+    if (press.moved && (this.tool === 'move' || this.tool === 'hold')) return;
     if (this.tool === 'hold') this.hold(this.under(event));
-    else if (this.tool === 'move') this.ask(event);
+    else if (this.tool === 'move') {
+      this.choosePlaces(this.placesAt(this.under(event)), event.shiftKey);
+      this.ask(event);
+    }
     else this.put(this.snap(event).at);
     // Focus the field so that a length can be typed immediately.
     if (event.pointerType !== 'touch' && !this.typing.field.parentElement.hidden) this.typing.field.focus({ preventScroll: true });
@@ -223,9 +247,8 @@ export class Board {
     const label = document.elementsFromPoint(event.clientX, event.clientY).find((each) => each.dataset?.size);
     for (const [number, { x, y }] of this.plan.columns.entries()) if (near([x, y]) <= reach) return { column: number };
     for (const [number, line] of this.plan.lines.entries()) {
-      const points = line.circle ? [[line.circle.x, line.circle.y]] : line.points;
-      const point = points.findIndex((each) => near(each) <= reach);
-      if (point >= 0 && this.tool === 'move') return { line: number, point };
+      const point = placesOf(line).findIndex((each) => near(each) <= reach);
+      if (point >= 0 && (this.tool === 'move' || !line.circle)) return { line: number, point };
     }
     if (label && this.tool === 'move') {
       const [line, segment] = label.dataset.size.split(' ').map(Number);
@@ -281,26 +304,35 @@ export class Board {
   }
 
   drag(event) {
-    const { press } = this;
-    const { line: number, point, column } = press.drag;
-    if (column !== undefined) {
-      const grid = this.ink.toPlan(...this.place(event)).map((value) => tidy(Math.round(value / this.ink.step) * this.ink.step));
-      this.change({ ...this.plan, columns: this.plan.columns.map((own, k) => (k === column ? { ...own, x: grid[0], y: grid[1] } : own)) }, `column ${column}`);
-      return;
-    }
     // From the plan before the drag, so that points passed on the way are not taken along.
-    const { lines } = press.plan;
-    const line = lines[number];
-    const from = line.points[point];
-    const [x, y] = this.snap(event, press.plan, from).at.map(tidy);
-    const key = `point ${number} ${point}`;
-    if (line.circle) {
-      const moved = { ...circle(x, y, line.circle.r), held: line.held };
-      this.change({ ...press.plan, lines: lines.map((own, k) => (k === number ? moved : own)) }, key);
-    } else this.change(withMoved(press.plan, from, [x, y]), key);
+    const { chosen, from, plan } = this.press;
+    const to = this.snap(event, plan, chosen).at;
+    const by = [to[0] - from[0], to[1] - from[1]];
+    if (this.chosen.length) this.chosen = chosen.map(([x, y]) => [x + by[0], y + by[1]]);
+    this.change(withMoved(plan, chosen, by), `move ${from}`);
+  }
+
+  /**
+   * Select places.
+   * @param {number[][]} places
+   * @param {boolean} more keep those that are selected; selected places are deselected
+   */
+  choosePlaces(places, more) {
+    const others = more ? this.chosen.filter((own) => !isAt(places)(own)) : [];
+    const known = more && places.every(isAt(this.chosen));
+    this.chosen = known ? others : [...others, ...places];
+  }
+
+  /** Add the places within a frame on the screen to the selection. */
+  frame([a, b]) {
+    const isWithin = (at) => [0, 1].every((axis) => at[axis] >= Math.min(a[axis], b[axis]) && at[axis] <= Math.max(a[axis], b[axis]));
+    this.chosen = [...this.chosen, ...this.places().filter((place) => isWithin(this.ink.toScreen(place)))];
+    this.draw();
   }
 
   hold(found) {
+    const [corner] = found && found.segment === undefined ? this.placesAt(found) : [];
+    if (corner && this.plan.lines.some((own) => !own.circle && own.points.some(isAt([corner])))) this.change(withCorner(this.plan, corner));
     if (found?.line === undefined || found.segment === undefined) return;
     const line = this.plan.lines[found.line];
     if (!line.closed) return;
@@ -377,6 +409,7 @@ export class Board {
     } else if (event.key === 'f') this.ink.fit(boundsOf(this.plan));
     else if (event.key === 'Enter') this.finish();
     else if (event.key === 'Escape') this.leave();
+    else if ((event.key === 'Delete' || event.key === 'Backspace') && this.chosen.length) this.change(without(this.plan, this.chosen));
     else if (event.key === 'Backspace') this.back();
     else return;
     event.preventDefault();

@@ -58,13 +58,15 @@ export class Ink {
   /**
    * Draw all.
    * @param {import('./plan.js').Plan} plan
-   * @param {{draft: number[][], pointer: ?{at: number[], on: string}, tool: string, hot: ?object, shape: ?number[][]}} state
+   * @param {{draft: number[][], pointer: ?{at: number[], on: string}, tool: string, hot: ?object, shape: ?number[][], chosen: number[][], band: ?number[][]}} state
    */
-  draw(plan, { draft, pointer, tool, hot, shape }) {
+  draw(plan, { draft, pointer, tool, hot, shape, chosen, band }) {
     const parts = [this.grid(), this.area(plan)];
     const roles = rolesOf(plan);
     plan.lines.forEach((line, number) => parts.push(this.line(line, number, roles[number], tool, hot)));
     plan.columns.forEach((column, number) => parts.push(this.column(column, number, hot)));
+    for (const place of chosen) parts.push(this.dot(place, 'chosen', 10));
+    if (band) parts.push(this.band(band[0], band[1]));
     if (draft.length || shape) parts.push(this.draft(draft, pointer, shape));
     if (pointer && tool !== 'move' && tool !== 'hold') parts.push(this.cross(pointer));
     this.svg.replaceChildren(...parts);
@@ -154,6 +156,11 @@ export class Ink {
     for (const point of draft) group.append(this.dot(point, 'point'));
     if (!shape && draft.length > 2) group.append(this.dot(draft[0], 'close', 8));
     return group;
+  }
+
+  /** Return the frame between two points of the screen. */
+  band(a, b) {
+    return this.make('path', { class: 'band', d: `M${a[0]} ${a[1]}H${b[0]}V${b[1]}H${a[0]}Z` });
   }
 
   cross({ at, on }) {

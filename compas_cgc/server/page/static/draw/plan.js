@@ -138,19 +138,73 @@ export function withLength(line, k, length) {
 }
 
 /**
- * Move a point, with all points of lines and columns at the same place, such as the ends of creases at a corner.
+ * Return the places of a line that can be moved: its points, or the centre of a circle.
+ * @param {Line} line
+ * @returns {number[][]}
+ */
+export function placesOf({ circle: round, points }) {
+  return round ? [[round.x, round.y]] : points;
+}
+
+/**
+ * Return a function that checks whether a point is at one of some places.
+ * @param {number[][]} places
+ * @returns {(point: number[]) => boolean}
+ */
+export function isAt(places) {
+  return ([x, y]) => places.some((own) => Math.hypot(x - own[0], y - own[1]) < SAME);
+}
+
+/**
+ * Move all points of lines, circles and columns at some places, so that the ends of creases follow the corner at which they lie.
  * @param {Plan} plan
- * @param {number[]} from
- * @param {number[]} to
+ * @param {number[][]} places
+ * @param {number[]} by
  * @returns {Plan}
  */
-export function withMoved(plan, from, to) {
-  const isThere = (/** @type {number[]} */ [x, y]) => Math.hypot(x - from[0], y - from[1]) < SAME;
-  return {
-    ...plan,
-    lines: plan.lines.map((line) => (line.circle || !line.points.some(isThere) ? line : { ...line, points: line.points.map((own) => (isThere(own) ? to : own)) })),
-    columns: plan.columns.map((own) => (isThere([own.x, own.y]) ? { ...own, x: to[0], y: to[1] } : own)),
-  };
+export function withMoved(plan, places, by) {
+  const isThere = isAt(places);
+  const moved = (/** @type {number[]} */ [x, y]) => [tidy(x + by[0]), tidy(y + by[1])];
+  const lines = plan.lines.map((line) => {
+    if (!placesOf(line).some(isThere)) return line;
+    if (!line.circle) return { ...line, points: line.points.map((own) => (isThere(own) ? moved(own) : own)) };
+    const [x, y] = moved([line.circle.x, line.circle.y]);
+    return { ...line, ...circle(x, y, line.circle.r), held: line.held };
+  });
+  const columns = plan.columns.map((own) => {
+    const [x, y] = moved([own.x, own.y]);
+    return isThere([own.x, own.y]) ? { ...own, x, y } : own;
+  });
+  return { ...plan, lines, columns };
+}
+
+/**
+ * Remove all points of lines, circles and columns at some places, and lines of which too few points remain.
+ * @param {Plan} plan
+ * @param {number[][]} places
+ * @returns {Plan}
+ */
+export function without(plan, places) {
+  const isThere = isAt(places);
+  const lines = plan.lines.flatMap((line) => {
+    if (!placesOf(line).some(isThere)) return [line];
+    const kept = line.points.flatMap((own, k) => (isThere(own) ? [] : [k]));
+    if (line.circle || kept.length < (line.closed ? 3 : 2)) return [];
+    return [{ ...line, points: kept.map((k) => line.points[k]), held: line.held.filter((k) => kept.includes(k)).map((k) => kept.indexOf(k)) }];
+  });
+  return { ...plan, lines, columns: plan.columns.filter(({ x, y }) => !isThere([x, y])) };
+}
+
+/**
+ * Support a corner by a column, or release it.
+ * @param {Plan} plan
+ * @param {number[]} place
+ * @returns {Plan}
+ */
+export function withCorner(plan, place) {
+  const others = plan.columns.filter(({ x, y }) => !isAt([place])([x, y]));
+  const columns = others.length < plan.columns.length ? others : [...others, { x: place[0], y: place[1], height: 0 }];
+  return { ...plan, columns };
 }
 
 /**

@@ -1,6 +1,6 @@
 /** Snapping of the pointer to points, lines, axis directions from the last point, or the grid. */
 
-import { SAME, segmentsOf } from './plan.js';
+import { isAt, segmentsOf } from './plan.js';
 
 /**
  * Return the smallest grid step of at least a given size.
@@ -17,11 +17,11 @@ export function roundStep(size) {
  * @param {number[]} at
  * @param {import('./plan.js').Plan} plan
  * @param {number[][]} draft points of the current line
- * @param {{reach: number, step: number, skip?: number[]}} how snapping distance, grid step, and the place of points to exclude
+ * @param {{reach: number, step: number, skip?: number[][]}} how snapping distance, grid step, and the places of points to exclude
  * @returns {{at: number[], on: string}} on: point, line, straight or grid
  */
-export function snapped(at, plan, draft, { reach, step, skip }) {
-  const isSkipped = (point) => skip !== undefined && apart(point, skip) < SAME;
+export function snapped(at, plan, draft, { reach, step, skip = [] }) {
+  const isSkipped = isAt(skip);
   const points = [...draft, ...plan.lines.filter((line) => !line.circle).flatMap(({ points: all }) => all), ...plan.columns.map(({ x, y }) => [x, y])];
   const near = nearest(
     points.filter((point) => !isSkipped(point)),
