@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .layout import PlaneQuads
 from .layout import plane_quads
+from .plane_faces import PlaneQuads
 
 __all__ = ["PlaneQuads", "plane_quads"]

@@ -9,7 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ...fabrication import plane_quads
-from ...fabrication.quads.layout import axis_lines
+from ...fabrication.quads.plane_faces import axis_lines
 from ...io.quads import write_quads
 from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino

@@ -14,7 +14,7 @@ from ...fabrication.crosses import crosses
 from ...fabrication.membrane_state import forces_at_vertices
 from ...fabrication.mould_surface import cap_mesh
 from ...fabrication.piece_list import cut_list_text
-from ...fabrication.quads.layout import axis_lines
+from ...fabrication.quads.plane_faces import axis_lines
 from ...fabrication.tasks import build
 from ...model.problem import CGCProblem
 from ..api.rhino_mesh import mesh_text
