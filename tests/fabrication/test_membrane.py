@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
+import compas_cgc
 from compas_cgc import CGCError
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
@@ -339,3 +340,8 @@ def test_neighbours_of_different_valence_carry_the_same_weight():
     vertices = grid(8, 8.0)[0]
     load = nodal_load(vertices, alternating(8), 0.0, 1.0)
     assert load[inside(8, 1)] == pytest.approx(np.tile([0.0, 0.0, -1.0], (49, 1)))
+
+
+def test_singular_corners_of_a_cushion_are_not_taken_for_an_ill_conditioned_mesh():
+    state = membrane(solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))), pressure=-1.5)
+    assert state.amplification > 3.0 and not any("ill-conditioned" in remark for remark in state.remarks)
