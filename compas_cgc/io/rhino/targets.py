@@ -78,14 +78,15 @@ def find_laws(
             notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was assigned to the nearest region, {r}")
         laws[r] = item.law
     kept = [r for r in earlier if r not in by_dot]
-    other = [r for r, item in by_dot.items() if r in earlier and item.law != earlier[r]]
+    overruled = [r for r, item in by_dot.items() if r in earlier and item.law != earlier[r]]
     if kept:
         notes.append(f"targets of an earlier result were used for {len(kept)} {_regions(len(kept))} without other targets")
-    if other:
-        these = "this target" if len(other) == 1 else "these targets"
+    if overruled:
+        these = "this target" if len(overruled) == 1 else "these targets"
+        count_text = f"{len(overruled)} {_regions(len(overruled))}"
         notes.append(
-            f"an earlier result has other values than the targets drawn in {len(other)} {_regions(len(other))}; the drawn ones were used. "
-            f"Delete {these} to keep the values of the result, or make K unknown again"
+            f"an earlier result has other values than the targets drawn in {count_text}; the drawn ones were used. Delete {these} to keep "
+            "the values of the result, or make K unknown again"
         )
     without = [r for r in range(count) if r not in laws] if laws else []
     notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]
