@@ -74,7 +74,9 @@ class Design(NamedTuple):
         return bool(self.rims)
 
 
-def read_design(design: DesignInput, *, tolerance: Optional[float] = None, seams: Optional[str] = None) -> Design:
+def read_design(
+    design: DesignInput, *, tolerance: Optional[float] = None, seams: Optional[str] = None, finest: Optional[float] = None
+) -> Design:
     """Return a design as a smooth surface.
 
     Parameters
@@ -87,6 +89,8 @@ def read_design(design: DesignInput, *, tolerance: Optional[float] = None, seams
         its size.
     seams
         Layer of a ``.3dm`` with the seams. Default: the layer ``Seams``, if there is one.
+    finest
+        Upper limit of the default tolerance [L].
 
     Returns
     -------
@@ -110,23 +114,24 @@ def read_design(design: DesignInput, *, tolerance: Optional[float] = None, seams
     >>> design.trimmed, design.deviation < 1e-4
     (False, True)
     """
+    limit = np.inf if finest is None else finest
     if isinstance(design, Design):
-        return design
+        return design if tolerance is not None or design.deviation <= limit else design.refitted(limit)
     if isinstance(design, SplineSurface):
         return Design(design, (), 0.0)
     if isinstance(design, (str, os.PathLike)):
-        return _from_file(Path(design), tolerance, seams)
+        return _from_file(Path(design), tolerance, seams, limit)
     vertices, faces, drawing = _arrays_of(design)
-    return _fitted(vertices, faces, tolerance)._replace(drawing=drawing)
+    return _fitted(vertices, faces, tolerance, limit)._replace(drawing=drawing)
 
 
-def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str]) -> Design:
+def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str], limit: float) -> Design:
     suffix = path.suffix.lower()
     if suffix not in (".3dm", *STEP):
         from ..io import read_problem
 
         read = read_problem(path)
-        return read_design(read.checked(), tolerance=tolerance)._replace(notes=read.notes)
+        return read_design(read.checked(), tolerance=tolerance, finest=limit)._replace(notes=read.notes)
     if suffix in STEP:
         from ..io.step_design import read_step_design
 
@@ -141,7 +146,7 @@ def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str]) -> 
         made = Design(SplineSurface(*drawn.spline), (), 0.0)
     else:
         faces = [list(dict.fromkeys(face)) for face in drawn.faces.tolist()]
-        made = _fitted(drawn.vertices, faces, drawn.tolerance if tolerance is None else tolerance)
+        made = _fitted(drawn.vertices, faces, min(drawn.tolerance, limit) if tolerance is None else tolerance)
     drawing = Drawing(path.stem, drawn.units, drawn.tolerance)
     return made._replace(supports=tuple(drawn.supports), seams=tuple(drawn.seams), drawing=drawing, notes=(*drawn.notes, *made.notes))
 
@@ -163,12 +168,12 @@ def _arrays_of(design: Any) -> tuple[FloatArray, list[list[int]], Drawing]:
     return V, [list(map(int, face)) for face in faces], Drawing()
 
 
-def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: Optional[float]) -> Design:
-    """Return the smooth surface through a mesh, within a tolerance."""
+def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: Optional[float], limit: float = np.inf) -> Design:
+    """Return the smooth surface through a mesh, within a tolerance, by default one up to a limit."""
     faces = triangles_of(vertices, polygons)[0]
     used = np.unique(faces)
     size = float(np.linalg.norm(np.ptp(vertices[used], axis=0)))
-    wanted = TOLERANCE * size if tolerance is None else tolerance
+    wanted = min(TOLERANCE * size, limit) if tolerance is None else tolerance
     chart = chart_of(vertices, faces)
     if chart is not None:
         over = Unwrapped(chart.to_local(vertices[used])[:, :2], used, np.full(2, np.inf), (False, False), tuple(boundary_loops(faces)))

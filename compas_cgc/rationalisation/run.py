@@ -138,13 +138,11 @@ def rationalise(
     >>> found.status, len(found.classes), found.distance.largest < 0.02
     ('kept', 24, True)
     """
-    read = read_design(design, tolerance=tolerance)
     for name, value in (("panel", panel), ("within", within)):
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise CGCError(f"{name} must be a length above zero, in the units of the design, not {value!r}")
+    read = read_design(design, tolerance=tolerance, finest=None if within is None else FIT_PART * within)
     _check_scale(read, panel, within, moulds)
-    if within is not None and tolerance is None and read.deviation > FIT_PART * within:
-        read = read.refitted(FIT_PART * within)
     panelling = panels_of(read, panel, edges, seams)
     fixed = _fixed(read, panelling, supports)
     moves = NormalMoves(panelling, fixed)

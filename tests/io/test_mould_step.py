@@ -6,14 +6,21 @@ import re
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
 
 import compas_cgc
 from compas_cgc.cli import main
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
+from compas_cgc.fabrication.mould_patches import ACCURACY
+from compas_cgc.fabrication.revolution import revolution
 from compas_cgc.io import read_problem
 from compas_cgc.io.builds import write_mould_files
+from compas_cgc.io.opencascade import step_content
+from compas_cgc.io.opencascade import untrimmed_face
+from compas_cgc.rationalisation import SplineSurface
 
 occt = pytest.importorskip("compas_occt._occt")
 FACE, EDGE = 4, 6
@@ -53,6 +60,39 @@ def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
         assert area(own[f"panel {fit.panel.name} in place"]) == pytest.approx(face_areas(fit.vertices, fit.faces).sum(), rel=5e-3)
     in_place = [face for name, face in own.items() if name.endswith("in place")]
     assert 0 < free_edges(shape, in_place) < sum(len(occt.shape_explore(face, EDGE)) for face in in_place) / 2
+
+
+@pytest.mark.parametrize(
+    ("kind", "K", "size", "ends"),
+    [
+        ("plane", 0.0, 0.0, (0.0, 3.0)),
+        ("cylinder", 0.0, 5.0, (0.0, 6.0)),
+        ("cone", 0.0, 0.5, (1.0, 6.0)),
+        ("sphere", 0.04, 0.0, (-4.0, 5.0)),
+        ("spindle", 0.04, 3.0, (-5.0, 5.0)),
+        ("bulge", 0.04, 7.0, (-3.0, 3.0)),
+        ("pseudosphere", -0.04, 0.0, (0.05, 6.0)),
+        ("hyperboloid", -0.04, 3.0, (-4.0, 4.0)),
+        ("conic", -0.04, 0.5, (1.0, 5.0)),
+    ],
+)
+def test_surfaces_of_revolution_are_valid_faces_on_their_exact_meridian(kind, K, size, ends, tmp_path):
+    own = revolution(kind, K, size)
+    patch = own.patch(ends, (0.0, 1.2), 5.0 * ACCURACY)
+    path = tmp_path / "surface.step"
+    path.write_bytes(step_content(untrimmed_face(occt, patch.scaled(1e3)), kind))
+    assert occt.is_valid(occt.read_step(str(path)))
+    surface = SplineSurface(patch.control, patch.knots, patch.degrees)
+    across = [np.linspace(low, high, 101) for low, high in surface.domain]
+    x, y, z = surface.at(np.stack(np.meshgrid(*across, indexing="ij"), axis=-1).reshape(-1, 2)).T
+    points = np.column_stack([np.hypot(x, y), z])
+    s = np.linspace(*ends, 4001)
+    meridian = CubicSpline(s, np.column_stack([own.radii(s), own.heights(s)]))
+    place = s[cKDTree(meridian(s)).query(points)[1]]
+    for _ in range(4):
+        tangent = meridian(place, 1)
+        place = np.clip(place + ((points - meridian(place)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1), *ends)
+    assert np.linalg.norm(points - meridian(place), axis=1).max() < (1e-9 * K**-0.5 if kind == "sphere" else 1e-6)
 
 
 def test_the_command_writes_step_and_the_same_surface_gives_the_same_bytes(tmp_path):

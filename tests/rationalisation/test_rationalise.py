@@ -152,6 +152,13 @@ def test_a_mesh_is_fitted_more_closely_than_the_distance_that_is_promised():
     assert found.drawing == drawn and found.notes == ("a note of the file",)
     assert compas_cgc.rationalise(mesh, within=within, tolerance=0.02, **options).design.deviation == loose.deviation
     assert read_design(loose.surface).refitted(1e-9).deviation == 0.0
+    # A limit of the tolerance that is known before costs no second fit, and gives the same surface.
+    usual = read_design(mesh)
+    limit = 0.5 * usual.deviation
+    assert (
+        read_design(mesh, finest=limit).deviation == usual.refitted(limit).deviation == read_design(usual, finest=limit).deviation <= limit
+    )
+    assert read_design(mesh, finest=1.0).deviation == usual.deviation
 
 
 def test_what_the_fit_of_a_mesh_deviates_counts_in_a_promise():
