@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Optional
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
@@ -105,13 +106,17 @@ def outlined(
         part = flat.part._replace(vertices=flat.part.vertices @ axes)
         return flat._replace(part=part, creases=[crease._replace(points=crease.points @ axes) for crease in flat.creases])
     rings = _once(outlines, min(tolerance, COINCIDENCE * edge_length))
-    boundary, *holes = sorted(rings, key=lambda points: -_area(points))
+    lifted = [_lifted(ring, columns, edge_length) for ring in rings]
+    count = sum(number for _, number in lifted)
+    boundary, *holes = sorted((ring for ring, _ in lifted), key=lambda points: -_area(points))
     lines = [crease for crease in creases if len(crease.points) > 1]
     made = mesh_from_outline(boundary, holes, [crease.points for crease in lines], edge_length, tolerance, columns)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
     within = f" and {len(holes)} hole{'s' if len(holes) > 1 else ''}" if holes else ""
     note = f"a mesh with edges of about {edge_length:g} was generated from an outline{within}"
     twice = ["duplicate outlines were used once"] if len(rings) < len(outlines) else []
+    if count:
+        twice.append(f"{count} corner{'s were' if count > 1 else ' was'} moved to the height of the support above or below")
     beside = [f"{crease.label} lies outside the outline and was ignored" for crease in lines if _is_beside(boundary, crease.points)]
     part = Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {})
     return MeshedSurface(part, _pieces(made, lines), [note, *twice, *beside])
@@ -134,6 +139,24 @@ def _once(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> list[
         ):
             kept.append(points)
     return kept
+
+
+def _lifted(ring: FloatArray, columns: FloatArray, edge_length: float) -> tuple[FloatArray, int]:
+    """Return an outline (k, 3) with corners at the height of points exactly above or below them, and the number of these corners.
+
+    Sides beside a corner are longer than an edge; shorter ones are parts of a curve, on which one point would make a spike.
+    """
+    if not len(columns):
+        return ring, 0
+    corners, reach = ring[:-1].copy(), COINCIDENCE * edge_length
+    distance, nearest = cKDTree(columns[:, :2]).query(corners[:, :2])
+    ahead = np.linalg.norm(np.diff(ring, axis=0), axis=1)
+    moved = (distance <= reach) & (np.abs(columns[nearest, 2] - corners[:, 2]) > reach)
+    moved &= np.minimum(ahead, np.roll(ahead, 1)) > edge_length
+    if not moved.any():
+        return ring, 0
+    corners[moved, 2] = columns[nearest[moved], 2]
+    return np.concatenate([corners, corners[:1]]), int(np.count_nonzero(moved))
 
 
 def _pieces(made: Outlined, creases: Sequence[Drawn]) -> list[Drawn]:

@@ -138,3 +138,21 @@ def test_curves_beside_the_outline_are_named_and_open_ones_are_told_to_be_closed
     sketch.curve(SQUARE[:4])
     with pytest.raises(FileError, match=r"or close an outline \(Rhino: Join, CloseCrv\) and give an edge length"):
         read_3dm(sketch.save(tmp_path / "open.3dm"), edge_length=2.0)
+
+
+def test_supports_over_corners_lift_the_outline(mesher):
+    columns = np.array([[0, 0, 3], [10, 10, 2], [10, 0, 0], [5, 5, 4]], float)
+    made = outlined([("outline", SQUARE)], [], columns, 1.0, 1e-3)
+    vertices = made.part.vertices
+    assert any("2 corners were moved to the height of the support" in note for note in made.notes)
+    for column in columns:
+        assert np.linalg.norm(vertices - column, axis=1).min() < 1e-9
+    # Sides between corners stay straight.
+    side = vertices[np.abs(vertices[:, 1]) < 1e-9]
+    assert np.allclose(side[:, 2], 3.0 - 0.3 * side[:, 0])
+    # A support over a curve is no corner: its outline stays level.
+    angle = np.linspace(0, 2 * np.pi, 200)
+    circle = np.column_stack([5 * np.cos(angle), 5 * np.sin(angle), 0 * angle])
+    circle[-1] = circle[0]
+    made = outlined([("outline", circle)], [], np.array([[5.0, 0, 3]]), 1.0, 1e-3)
+    assert not np.ptp(made.part.vertices[:, 2])
