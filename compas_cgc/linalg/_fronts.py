@@ -162,8 +162,7 @@ def factors(
         width = pivots + below
         size = width * width
         flat = room[2 * BLOCK * width : 2 * BLOCK * width + size]
-        for k in range(size):
-            flat[k] = 0.0
+        flat[:] = 0.0
         for k in range(ends[front], ends[front + 1]):
             flat[place[k]] += data[source[k]]
         while left > 0 and above[unfinished[left - 1]] == front:
@@ -185,23 +184,23 @@ def factors(
                 if pivot < 0.0:
                     negative += 1
                 for i in range(j + 1, now):
-                    part = F[j, i] / pivot
-                    for k in range(i, width):
-                        F[i, k] -= part * F[j, k]
+                    _subtract(F[i, i:], F[j, i] / pivot, F[j, i:])
             _eliminate(F, done, now, room)
         at = offsets[front]
         for j in range(pivots):
             pivot = F[j, j]
             D[starts[front] + j] = pivot
-            for k in range(j + 1, width):
-                L[at + j * width + k] = F[j, k] / pivot
+            row, to = F[j, j + 1 :], L[at + j * width + j + 1 : at + (j + 1) * width]
+            for k in range(len(row)):
+                to[k] = row[k] / pivot
         if below > 0:
             begin[front], unfinished[left] = top, front
             left += 1
             for i in range(below):
-                for k in range(i, below):
-                    waiting[top + i * below + k] = F[pivots + i, pivots + k]
-            top += below * below
+                row, to = F[pivots + i, pivots + i :], waiting[top + i : top + below]
+                for k in range(len(row)):
+                    to[k] = row[k]
+                top += below
     return negative
 
 
@@ -209,41 +208,40 @@ def factors(
 def _eliminate(F: FloatArray, done: int, now: int, room: FloatArray) -> None:
     """Take the rows of pivots from all rows after them, four of each at a time, so that numbers stay in registers."""
     left, count = len(F) - now, now - done
-    for j in range(count):
-        pivot = F[done + j, done + j]
-        for k in range(left):
-            value = F[done + j, now + k]
-            room[j * left + k], room[(count + j) * left + k] = value, value / pivot
     W = room[: count * left].reshape((count, left))
     X = room[count * left : 2 * count * left].reshape((count, left))
+    for j in range(count):
+        row, to, scaled, pivot = F[done + j, now:], W[j], X[j], F[done + j, done + j]
+        for k in range(left):
+            to[k], scaled[k] = row[k], row[k] / pivot
     fours, by_fours = left - left % 4, count - count % 4
     for i in range(0, fours, 4):
-        F0, F1, F2, F3 = F[now + i], F[now + i + 1], F[now + i + 2], F[now + i + 3]
+        F0, F1, F2, F3 = F[now + i, now + i :], F[now + i + 1, now + i :], F[now + i + 2, now + i :], F[now + i + 3, now + i :]
         for j in range(0, by_fours, 4):
             a0, a1, a2, a3 = X[j, i], X[j + 1, i], X[j + 2, i], X[j + 3, i]
             b0, b1, b2, b3 = X[j, i + 1], X[j + 1, i + 1], X[j + 2, i + 1], X[j + 3, i + 1]
             c0, c1, c2, c3 = X[j, i + 2], X[j + 1, i + 2], X[j + 2, i + 2], X[j + 3, i + 2]
             d0, d1, d2, d3 = X[j, i + 3], X[j + 1, i + 3], X[j + 2, i + 3], X[j + 3, i + 3]
-            W0, W1, W2, W3 = W[j], W[j + 1], W[j + 2], W[j + 3]
-            for k in range(i, left):
+            W0, W1, W2, W3 = W[j, i:], W[j + 1, i:], W[j + 2, i:], W[j + 3, i:]
+            for k in range(left - i):
                 w0, w1, w2, w3 = W0[k], W1[k], W2[k], W3[k]
-                F0[now + k] -= (a0 * w0 + a1 * w1) + (a2 * w2 + a3 * w3)
-                F1[now + k] -= (b0 * w0 + b1 * w1) + (b2 * w2 + b3 * w3)
-                F2[now + k] -= (c0 * w0 + c1 * w1) + (c2 * w2 + c3 * w3)
-                F3[now + k] -= (d0 * w0 + d1 * w1) + (d2 * w2 + d3 * w3)
+                F0[k] -= (a0 * w0 + a1 * w1) + (a2 * w2 + a3 * w3)
+                F1[k] -= (b0 * w0 + b1 * w1) + (b2 * w2 + b3 * w3)
+                F2[k] -= (c0 * w0 + c1 * w1) + (c2 * w2 + c3 * w3)
+                F3[k] -= (d0 * w0 + d1 * w1) + (d2 * w2 + d3 * w3)
         for j in range(by_fours, count):
-            a0, b0, c0, d0 = X[j, i], X[j, i + 1], X[j, i + 2], X[j, i + 3]
-            for k in range(i, left):
-                w0 = W[j, k]
-                F0[now + k] -= a0 * w0
-                F1[now + k] -= b0 * w0
-                F2[now + k] -= c0 * w0
-                F3[now + k] -= d0 * w0
+            for r in range(4):
+                _subtract(F[now + i + r, now + i :], X[j, i + r], W[j, i:])
     for i in range(fours, left):
         for j in range(count):
-            part = X[j, i]
-            for k in range(i, left):
-                F[now + i, now + k] -= part * W[j, k]
+            _subtract(F[now + i, now + i :], X[j, i], W[j, i:])
+
+
+@kernel(inner=True)
+def _subtract(row: FloatArray, factor: float, other: FloatArray) -> None:
+    """Take a multiple of another row from a row; counted from zero such loops are vectorised."""
+    for k in range(len(row)):
+        row[k] -= factor * other[k]
 
 
 @kernel()
@@ -260,8 +258,7 @@ def substitute(
                 own[j] = x[first + j, column] if j < pivots else 0.0
             for j in range(pivots):
                 at, value = offsets[front] + j * width, own[j]
-                for k in range(j + 1, width):
-                    own[k] -= L[at + k] * value
+                _subtract(own[j + 1 : width], value, L[at + j + 1 : at + width])
             for j in range(pivots):
                 x[first + j, column] = own[j] / D[first + j]
             for j in range(pivots, width):
