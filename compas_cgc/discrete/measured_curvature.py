@@ -127,15 +127,17 @@ def _most_even_angles(mesh: MidEdgeMesh, flat: ShapeOperators, vertices: Vertice
     inverse = sparse.diags(1.0 / flat.areas)
     uneven = (inverse @ _unevenness(mesh, flat.areas, vertices, normals) @ inverse).tocsr()
     index, slopes = mesh.angles.of_faces, flat.tensor_slopes[:, :, 3:]
+    rows = 6 * len(index)
+    by_angles = sparse.csr_matrix((slopes.ravel(), np.repeat(index, 6, axis=0).ravel(), np.arange(0, 3 * rows + 1, 3)), shape=(rows, count))
+    onto_angles = by_angles.T.tocsr()
 
     def pulled(tensors: FloatArray) -> FloatArray:
         """Return half the derivatives of the unevenness (a,) at some tensors (m, 6)."""
-        at_faces = np.einsum("mek,me->mk", slopes, OCCURRENCES * (uneven @ tensors))
-        return np.asarray(np.bincount(index.ravel(), at_faces.ravel(), count), dtype=np.float64)
+        return np.asarray(onto_angles @ (OCCURRENCES * (uneven @ tensors)).ravel(), dtype=np.float64)
 
     own = uneven.diagonal()[:, None] * np.einsum("mek,e->mk", slopes**2, OCCURRENCES)
     scale = 1.0 / np.bincount(index.ravel(), own.ravel(), count)
-    return _solved(lambda angles: pulled(np.einsum("mek,mk->me", slopes, angles[index])), scale, -pulled(flat.tensors))
+    return _solved(lambda angles: pulled((by_angles @ angles).reshape(-1, 6)), scale, -pulled(flat.tensors))
 
 
 def _solved(times: Callable[[FloatArray], FloatArray], scale: FloatArray, right: FloatArray) -> FloatArray:
