@@ -41,6 +41,7 @@ MOST, FIRST = 30, 8  # steps in the constants, and halvings of those drawn until
 NEAR = 1e-6  # of a goal, against the power of the size that it has, from which a move to first order leads to rounding
 LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of the logarithm of a constant in a step
 DECREASE = 1e-2  # part of the expected decrease that a step must bring
+STUCK = 0.9  # of the distance from the goals after twice the step, above which a step leads to another branch
 FLAT = 1e-12  # derivatives of the goals by the logarithms, relative to the size, up to which they do not depend on the constants
 
 
@@ -54,6 +55,10 @@ class _Here(NamedTuple):
     @property
     def distance(self) -> float:
         return float(np.linalg.norm(self.missing))
+
+    @property
+    def energy(self) -> float:
+        return self.solution.branches[0].energy
 
 
 def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = None) -> Solution:
@@ -172,6 +177,7 @@ class _Seeker:
             return None
         V = here.solution.vertices
         change *= min(1.0, LONGEST / float(np.abs(change).max()))
+        before = math.inf
         while np.abs(change).max() >= SHORTEST * min(1.0, here.distance):
             start = V + sum(part * move for part, move in zip(change, by_log))
             there = self._at(here.logs + change, start)
@@ -181,7 +187,9 @@ class _Seeker:
             sound = there.solution.status == "converged" and (_is_fair(there) or not _is_fair(here))
             if sound and there.distance <= (1.0 - DECREASE) * here.distance:
                 return there
-            change = 0.5 * change
+            if sound and there.distance > STUCK * before and there.energy < here.energy:
+                return there  # on another branch, with less energy however short the step is
+            before, change = there.distance, 0.5 * change
         return None
 
     def _posed(self, logs: FloatArray) -> CGCProblem:

@@ -168,7 +168,7 @@ def _search(
             if correction < CORRECTIONS:
                 # A long step along a valley of the energy leaves the equations, so that without corrections steps would be short.
                 right = np.concatenate([np.zeros(lagrangian.size), (1.0 - length) * here.residuals - there.residuals])
-                move = move + saddle.solve(right)[: lagrangian.size]
+                move = move + saddle.roughly(right)[: lagrangian.size]
                 there = lagrangian.moved(here, move)
         length /= 2
     return None
