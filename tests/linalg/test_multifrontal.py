@@ -11,7 +11,7 @@ from compas_cgc.linalg.multifrontal import Multifrontal
 
 
 def saddle(squares: int, seed: int) -> tuple[sparse.csr_matrix, np.ndarray]:
-    """Return a saddle matrix over a grid of squares: a Laplacian with some negative entries, and equations of some unknowns and their neighbours."""
+    """Return a saddle matrix over a grid of squares, and places: a Laplacian with negative entries, and equations of some unknowns."""
     random = np.random.default_rng(seed)
     line = sparse.diags([-np.ones(squares - 1), 2.0 * np.ones(squares), -np.ones(squares - 1)], [-1, 0, 1])
     n = squares**2

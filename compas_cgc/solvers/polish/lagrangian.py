@@ -110,6 +110,11 @@ class Lagrangian:
         return len(self.free)
 
     @property
+    def held(self) -> IntArray:
+        """Vertices that do not move."""
+        return np.setdiff1d(np.arange(len(self.drawing)), self.free)
+
+    @property
     def types(self) -> FloatArray:
         """Signs of the discriminants of the laws of the equations on flat surfaces: 1 elliptic, 0 parabolic, -1 hyperbolic (r,)."""
         flat = np.zeros(len(self.rows))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from dataclasses import replace
 from typing import NamedTuple
 from typing import Optional
+from typing import Union
 
 import numpy as np
 
@@ -38,9 +40,11 @@ from .optimiser import steps
 from .posed import pair_laws
 from .posed import posed
 from .settings import PolishSettings
+from .starts import Lifted
 from .starts import from_surface
 from .starts import is_kept
 from .starts import over_its_plate
+from .starts import saddles
 from .starts import starts
 
 __all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
@@ -54,6 +58,7 @@ ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
 RISE_DIGITS = 6  # of the volumes under mirror twins that are compared, in the local frame
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
+FIRST, GROWTH, SHORTEST = 0.25, 1.5, 0.03  # part of the way by which supports are lowered, its factor, and its limit
 WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
 
@@ -136,8 +141,10 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
         surfaces = [branch.vertices for branch in before.solution.branches] or [before.solution.vertices]
         begun, tried = [coarse.carried(vertices, anew=not kept) for vertices in surfaces], (before.evenness,)
     found: list[_Found] = []
-    for evenness in tried:
-        solution = _least_energy(problem, replace(settings, evenness=evenness), begun or [], callback)
+    for evenness, lifted in [(own, False) for own in tried] + [(own, True) for own in tried[1:2]]:
+        solution = _least_energy(problem, replace(settings, evenness=evenness), begun or [], callback, lifted)
+        if solution is None:
+            break
         if evenness and settings.evenness is None:
             solution = solution._replace(message=f"{solution.message}; {EVENLY.format(evenness)}")
         found.append(_Found(solution, evenness))
@@ -157,8 +164,13 @@ def _carried(callback: Callback, coarse: Coarse, anew: bool) -> Callback:
     return lambda state: callback(state._replace(vertices=coarse.carried(state.vertices, anew=anew)))
 
 
-def _least_energy(problem: CGCProblem, settings: PolishSettings, surfaces: list[FloatArray], callback: Callback) -> Solution:
-    """Return the fair surface of least energy to which surfaces (n, 3) lead, or all starts that are found without any."""
+def _least_energy(
+    problem: CGCProblem, settings: PolishSettings, surfaces: list[FloatArray], callback: Callback, lifted: bool
+) -> Optional[Solution]:
+    """Return the fair surface of least energy to which surfaces (n, 3) lead, or all starts that are found without any.
+
+    These are plates over the supports, or saddles over lifted supports; None where there are no such saddles.
+    """
     lagrangian, local, frame, size = posed_as_set(problem, settings)
     moved = np.flatnonzero(problem.roles != DUMMY)[local.movable]
     kept = bool(np.isfinite(lagrangian.waves))
@@ -174,17 +186,28 @@ def _least_energy(problem: CGCProblem, settings: PolishSettings, surfaces: list[
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
     search = _Search(lagrangian, local, size, settings, recorder)
-    begun = [from_surface(lagrangian, frame.to_local(one)[problem.roles != DUMMY]) for one in surfaces] or starts(lagrangian)
+    begun: Iterable[Union[State, Lifted]] = starts(lagrangian) if not lifted else saddles(lagrangian) if not kept else ()
+    if surfaces:
+        begun = [from_surface(lagrangian, frame.to_local(one)[problem.roles != DUMMY]) for one in surfaces]
     ends: list[_End] = []
     starting: list[State] = []
-    for state in begun:
-        twin = next((end for first, end in zip(starting, ends) if _mirrors(lagrangian, first, state)), None)
-        ends.append(search.ended(state) if twin is None else _End(lagrangian.at(-twin.state.unknowns), twin.status))
-        starting.append(state)
+    for start in begun:
+        if isinstance(start, Lifted):
+            ends.append(search.lowered(start))
+        else:
+            twin = next((end for first, end in zip(starting, ends) if _mirrors(lagrangian, first, start)), None)
+            ends.append(search.ended(start) if twin is None else _End(lagrangian.at(-twin.state.unknowns), twin.status))
+            starting.append(start)
         # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say.
-        enough = kept or bool(surfaces) or bool((lagrangian.types >= 0.0).all())
-        if ends[-1].status in ("cancelled", "step_limit") or (ends[-1].arrived and enough and judged(ends[-1]).fair):
+        enough = kept or lifted or bool(surfaces) or bool((lagrangian.types >= 0.0).all())
+        if (
+            ends[-1].status in ("cancelled", "step_limit")
+            or (lifted and is_spent())
+            or (ends[-1].arrived and enough and judged(ends[-1]).fair)
+        ):
             break
+    if not ends:
+        return None
     found = _distinct([end for end in ends if end.arrived], lagrangian, size)
     found.sort(key=lambda end: not judged(end).fair)
     # Of mirror twins the one that rises along the normals comes first.
@@ -301,6 +324,28 @@ class _Search:
             if status != "stalled":
                 return _End(best, status)
         return _End(best, "stalled")
+
+    def lowered(self, start: Lifted) -> _End:
+        """Return the surface that a start leads to when its supports are lowered to their places."""
+        end, left, step = self.ended(start.state), 1.0, FIRST
+        while end.arrived and left > 0.0:
+            step = min(step, left)
+            there = self.ended(self._with_supports_at(left - step, end.state.unknowns - step * start.lift))
+            if there.arrived:
+                end, left, step = there, left - step, GROWTH * step
+            elif there.status == "cancelled" or step <= SHORTEST:
+                end = there
+            else:
+                step /= 2.0
+        if end.arrived:
+            return end
+        return _End(self._with_supports_at(0.0, end.state.unknowns), "cancelled" if end.status == "cancelled" else "stalled")
+
+    def _with_supports_at(self, lift: float, unknowns: FloatArray) -> State:
+        """Return the state for unknowns (u,), with supports in their places where nothing is left of their lift."""
+        if lift == 0.0:
+            unknowns[self.lagrangian.held] = 0.0
+        return self.lagrangian.at(unknowns)
 
 
 def _distinct(ends: list[_End], lagrangian: Lagrangian, size: float) -> list[_End]:

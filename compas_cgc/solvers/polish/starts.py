@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -16,9 +17,10 @@ from ...linalg import factorise
 from ...model.laws import Shape
 from .lagrangian import Lagrangian
 from .lagrangian import State
+from .patterns import DIRECTIONS
 from .patterns import Patterns
 
-__all__ = ["from_surface", "is_kept", "over_its_plate", "plate", "starts"]
+__all__ = ["Lifted", "from_surface", "is_kept", "over_its_plate", "plate", "saddles", "starts"]
 
 SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
 MOST_PLACES = 0.02  # median of the squared curvature of a drawing, against its mean, below which it bends beside its supports alone
@@ -72,6 +74,42 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
         steps = [steps[k] for k in order]
     for step in steps:
         yield _with_even_angles(lagrangian, own.here, step)
+
+
+class Lifted(NamedTuple):
+    """An initial surface whose supports are not in their places, and by what it moves when they are lifted by as much as they are."""
+
+    state: State
+    lift: FloatArray  # (u,)
+
+
+def saddles(lagrangian: Lagrangian) -> Iterator[Lifted]:
+    """Return the saddles of one region without supports, turned to where they pass near to these; none with creases or domes.
+
+    Over supports of any heights the plate has several valleys, which meet in branch points. A saddle has none, and keeps to that
+    while its supports are lowered to their places.
+    """
+    mesh, V, shape = lagrangian.mesh, lagrangian.drawing, _face_shapes(lagrangian)
+    flat = FLAT * max(float(np.abs(part).max(initial=0.0)) for part in shape)
+    if not lagrangian.has_plan or not (shape.saddle > flat).all() or np.ptp(mesh.pairs[:, 1]) > 0:
+        return
+    up = mesh.directions[0]
+    along = _main_direction(lagrangian)
+    along = along - (along @ up) * up
+    along /= np.linalg.norm(along)
+    x, y = ((V - V.mean(axis=0)) @ axis for axis in (along, np.cross(up, along)))
+    heights, fixed = V @ up, lagrangian.held
+    plane, bowl = np.column_stack([np.ones_like(x), x, y]), -0.5 * shape.mean.mean() * (x**2 + y**2)
+    turns = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    forms = 0.5 * shape.saddle.mean() * (np.outer(np.cos(2.0 * turns), x**2 - y**2) + np.outer(np.sin(2.0 * turns), 2.0 * x * y))
+    tilts = np.linalg.lstsq(plane[fixed], (heights - bowl - forms)[:, fixed].T, rcond=None)[0]
+    lifts = bowl + forms + (plane @ tilts).T - heights
+    missed = np.abs(lifts[:, fixed]).max(axis=1)
+    nearest = np.flatnonzero((missed <= np.roll(missed, 1)) & (missed < np.roll(missed, -1)))
+    for turn in nearest[np.argsort(missed[nearest], kind="stable")]:
+        unknowns = np.append(lifts[turn], np.zeros(len(mesh.angles.ends)))
+        unknowns[len(V) :] = even_angles(mesh, lagrangian.vertices(unknowns))
+        yield Lifted(lagrangian.at(unknowns), bent_by_supports(lagrangian, lifts[turn]))
 
 
 def _volume(lagrangian: Lagrangian, here: State, step: FloatArray) -> float:
@@ -186,22 +224,29 @@ def plate(lagrangian: Lagrangian) -> State:
 
     Over a plan it is a linear plate, whose heights at the supports are those of the drawing. A drawing without a plan stands for itself.
     """
-    mesh, V, free = lagrangian.mesh, lagrangian.drawing, lagrangian.free
+    mesh, V = lagrangian.mesh, lagrangian.drawing
     heights = np.einsum("ni,ni->n", V, mesh.directions)
     at = np.zeros(mesh.unknowns)
     if lagrangian.has_plan:
-        flat = lagrangian.on(V - heights[:, None] * mesh.directions)
-        stiffness = _stiffness(flat, flat.at(at))
-        fixed = np.setdiff1d(np.arange(len(V)), free)
-        level = float(heights[fixed].mean()) if len(fixed) else 0.0
-        lifted = heights[fixed] - level
-        moves = np.zeros(mesh.unknowns)
-        moves[fixed] = lifted
-        if np.abs(lifted).max(initial=0.0) > 0.0:
-            moves[free] = factorise(_firm(stiffness[free][:, free]), symmetric=True).solve(-(stiffness[free][:, fixed] @ lifted))
-        at[free[: lagrangian.moves]] = (level + moves[: len(V)] - heights)[free[: lagrangian.moves]]
+        moved = lagrangian.free[: lagrangian.moves]
+        at[moved] = (bent_by_supports(lagrangian, heights)[: len(V)] - heights)[moved]
     at[len(V) :] = even_angles(mesh, lagrangian.vertices(at))
     return lagrangian.at(at)
+
+
+def bent_by_supports(lagrangian: Lagrangian, heights: FloatArray) -> FloatArray:
+    """Return moves and angles (u,) of the flat plate over a plan whose supports are lifted to heights, of which (n,) are given."""
+    mesh, V, free = lagrangian.mesh, lagrangian.drawing, lagrangian.free
+    flat = lagrangian.on(V - np.einsum("ni,ni->n", V, mesh.directions)[:, None] * mesh.directions)
+    stiffness = _stiffness(flat, flat.at(np.zeros(mesh.unknowns)))
+    fixed = lagrangian.held
+    level = float(heights[fixed].mean()) if len(fixed) else 0.0
+    moves, lifted = np.zeros(mesh.unknowns), heights[fixed] - level
+    moves[fixed] = lifted
+    if np.abs(lifted).max(initial=0.0) > 0.0:
+        moves[free] = factorise(_firm(stiffness[free][:, free]), symmetric=True).solve(-(stiffness[free][:, fixed] @ lifted))
+    moves[: len(V)] += level
+    return moves
 
 
 def _stiffness(lagrangian: Lagrangian, here: State) -> sparse.csr_matrix:
