@@ -9,12 +9,15 @@ from scipy.spatial import Delaunay
 from compas_cgc import CGCMesh
 from compas_cgc import sensitivity
 from compas_cgc import solve
+from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete.measured_curvature import measured_curvature
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.polisher import polish
 from compas_cgc.solvers.polish.posed import posed
 from compas_cgc.solvers.polish.settings import PolishSettings
 from compas_cgc.solvers.polish.starts import starts
+
+from ...support import shapes
 
 
 def _square(n: int, jitter: float = 0.0, lines=(), along=(0, 1)):
@@ -226,3 +229,17 @@ def test_heights_of_a_plan_say_nothing_but_the_side_of_a_dome():
     flat, low, high, below = (solve(problem.with_vertices(problem.vertices + a * bump)) for a in (0.0, 0.1, 0.2, -0.1))
     assert np.abs(low.vertices - flat.vertices).max() < 1e-6 and np.abs(high.vertices - flat.vertices).max() < 1e-6
     assert np.abs(below.vertices - flat.vertices * [1, 1, -1]).max() < 1e-6
+
+
+def test_supports_are_lowered_from_a_saddle_where_plates_lead_to_branch_points():
+    vertices, faces = shapes.delaunay_disk(180, 2)
+    rim = np.flatnonzero(boundary_vertices(vertices, faces))
+    rim = rim[np.argsort(np.arctan2(vertices[rim, 1], vertices[rim, 0]))]
+    supports = rim[np.arange(6) * len(rim) // 6]
+    vertices[supports, 2] = [0.131, 0.149, 0.407, 0.046, 0.3, 0.364]
+    problem = CGCProblem(vertices, faces).with_supports(supports.tolist()).with_targets(-0.4)
+    result = solve(problem, method="bending")
+    assert result.verdict.fair, result.message
+    np.testing.assert_array_equal(result.vertices[supports], vertices[supports])
+    least = solve(problem, method="bending", settings={"evenness": 0.0})
+    assert "branch point" in least.message
