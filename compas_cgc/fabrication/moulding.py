@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
 from typing import Union
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
@@ -53,7 +55,8 @@ __all__ = ["moulds"]
 K_TOLERANCE = 1e-9  # relative difference below which two curvatures count as equal
 MAX_GAP = 0.05  # gap relative to the mean edge length above which the surface does not have the K of the mould
 MIN_THICKNESS = 0.01  # of sheets, below which it is probably in other units [mm]
-ROTATIONS = 24  # rotations about the pole tried on a pseudosphere, which is not isotropic
+ROTATIONS = 24  # rotations about the pole compared on a pseudosphere, before the best is refined
+ANGLE_TOLERANCE = 2e-3  # of the rotation of least bending [rad]
 
 
 class _Laid(NamedTuple):
@@ -271,15 +274,26 @@ def _astray(piece: _Laid) -> float:
 def _fitted(
     piece: _Laid, mould: Mould, operators: FloatArray, singular: Mask, material: Material, thickness: float, unit: float
 ) -> PanelFit:
-    """Return the fit of a panel on its mould, rotated about the pole to the best rigid fit."""
+    """Return the fit of a panel on its mould, rotated about the pole.
+
+    A pseudosphere is not isotropic: there the panel is rotated to the least mean square change of its curvature.
+    """
     K, vertices = mould.K, piece.parts.vertices
-    angles = 2 * np.pi * np.arange(ROTATIONS) / ROTATIONS if K < 0.0 else [_heading(piece.there.on_form, vertices)]
-    motions = [space_form.rotation(angle) for angle in angles]
-    places = np.array([_places(piece, mould.surface, motion) for motion in motions])
-    nearest = rigid_fits(places, vertices)
-    best = int(np.argmin([np.abs(nearest(own) - vertices).max() for own in places])) if len(places) > 1 else 0
-    changes = _changes(mould.surface, piece, motions[best], operators) / unit
-    stresses = 1e-6 * plate_stress(material, 1e-3 * thickness, changes).max(axis=1)
+
+    def changes_at(angle: float) -> FloatArray:
+        return _changes(mould.surface, piece, space_form.rotation(angle), operators) / unit
+
+    def stresses_of(changes: FloatArray) -> FloatArray:
+        return 1e-6 * plate_stress(material, 1e-3 * thickness, changes).max(axis=1)
+
+    angle = _heading(piece.there.on_form, vertices)
+    if K < 0.0:
+        angle = _least_angle(lambda turn: float(np.square(changes_at(turn)).mean()))
+    motion = space_form.rotation(angle)
+    places = _places(piece, mould.surface, motion)
+    nearest = rigid_fits(places[None], vertices)
+    changes = changes_at(angle)
+    stresses = stresses_of(changes)
     return PanelFit(
         piece.panel,
         mould.number,
@@ -289,14 +303,22 @@ def _fitted(
         1e3 * unit * nearest.most,
         float(np.abs(changes).max()),
         float(stresses.max()),
-        piece.laid.turned(motions[best]),
+        piece.laid.turned(motion),
         vertices,
         piece.parts.faces,
-        places[best],
+        places,
         nearest,
         stresses[piece.parts.within],
         bool(singular[piece.parts.whole].any()),
     )
+
+
+def _least_angle(bending: Callable[[float], float]) -> float:
+    """Return the angle of least bending; angles half a turn apart differ too."""
+    step = 2.0 * np.pi / ROTATIONS
+    start = step * int(np.argmin([bending(step * turn) for turn in range(ROTATIONS)]))
+    found = minimize_scalar(bending, bounds=(start - step, start + step), method="bounded", options={"xatol": ANGLE_TOLERANCE})
+    return float(found.x) if found.fun < bending(start) else start
 
 
 def _places(piece: _Laid, surface: Surface, motion: FloatArray) -> Vertices:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Optional
 
+import numpy as np
+
 from ..discrete.arrays import FloatArray
-from ..errors import CGCError
 from ..model.problem import CGCProblem
 from .grid_lines import Division
 from .nesting import nest
@@ -29,10 +30,11 @@ def sheet_panels(
     shortest: float,
     taken: Callable[[Patchwork, int], FloatArray],
     too_wide: Callable[[Patchwork, int], bool],
+    cut: Callable[[Patchwork], Patchwork],
 ) -> Optional[list[Panel]]:
-    """Return panels of the grid that needs the fewest sheets, None if the mesh is too coarse for a grid.
+    """Return panels of the grid or of the strips that need the fewest sheets, None if the mesh is too coarse for a grid.
 
-    Single panels may be larger than a sheet, and are then to be cut.
+    Strips, and single panels, may be larger than a sheet, and are then to be cut.
 
     Parameters
     ----------
@@ -48,21 +50,35 @@ def sheet_panels(
         Function that returns points around the room of a piece (k, 2) [L].
     too_wide
         Function that decides whether a piece has too much strain.
+    cut
+        Function that cuts pieces until they fit on sheets.
     """
     best: Optional[tuple[int, Division]] = None
+
+    def compare(largest: tuple[float, float], strips: bool = False) -> Optional[int]:
+        """Keep the division if it needs the fewest sheets so far; return the most parts of a panel, None if the mesh is too coarse."""
+        nonlocal best
+        division = Division(largest=largest)
+        try:
+            flat = developed_panels(problem, grid_panels(problem, division, 0.0), regions)[0]
+            flat = cut(flat) if strips else flat
+        except ValueError:
+            return None
+        boxes = [best_box(taken(flat, piece), stock.room) for piece in range(int(flat.piece.max()) + 1)]
+        parts = [int(max(box.parts, 1 + too_wide(flat, piece))) for piece, box in enumerate(boxes)]
+        fitting = [box[1:3] for box, count in zip(boxes, parts) if count == 1]
+        nested = 1 + max(place.sheet for place in nest(fitting, stock.room, stock.spacing or 0.0)) if fitting else 0
+        sheets = nested + sum(count for count in parts if count > 1)
+        best = (sheets, division) if best is None or sheets < best[0] else best
+        return max(parts)
+
     for sides in (stock.room, stock.room[::-1]):
         for scale in SCALES:
-            try:
-                division = Division(largest=(scale * sides[0], scale * sides[1]))
-                flat = developed_panels(problem, grid_panels(problem, division, 0.0), regions)[0]
-            except CGCError:
+            most = compare((scale * sides[0], scale * sides[1]))
+            if most is None or most == 1:
                 break
-            boxes = [best_box(taken(flat, piece), stock.room) for piece in range(int(flat.piece.max()) + 1)]
-            parts = [int(max(box.parts, 1 + too_wide(flat, piece))) for piece, box in enumerate(boxes)]
-            fitting = [box[1:3] for box, count in zip(boxes, parts) if count == 1]
-            nested = 1 + max(place.sheet for place in nest(fitting, stock.room, stock.spacing or 0.0)) if fitting else 0
-            sheets = nested + sum(count for count in parts if count > 1)
-            best = (sheets, division) if best is None or sheets < best[0] else best
-            if max(parts) == 1:
-                break
+    # Strips are cut to lengths one by one, so that lines that converge elsewhere do not shorten their panels.
+    size = float(np.ptp(problem.vertices, axis=0).sum())
+    for largest in ((size, min(stock.room)), (min(stock.room), size)):
+        compare(largest, strips=True)
     return None if best is None else grid_panels(problem, best[1], shortest)

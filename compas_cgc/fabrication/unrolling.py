@@ -181,19 +181,21 @@ def unroll(
         if kept:
             _refuse_to_cut(problem, stock, own, piece, box)
 
+    def cut(own: Patchwork) -> Patchwork:
+        return cut_to_fit(own, room, flattened, too_wide, taken, refuse, None if grain is None else along, least)
+
     room = stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)
     least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
     try:
         divided = stock.sheet is not None and not kept and panels is None
         if divided and len(curved) == len(chosen) and seams is None:
-            panels = sheet_panels(problem, chosen, stock, shortest, taken, too_wide)
+            panels = sheet_panels(problem, chosen, stock, shortest, taken, too_wide, cut)
             flat, cuts, unrollings = (flat, cuts, unrollings) if panels is None else developed_panels(problem, panels, chosen)
         elif divided:
             grains = None if grain is None else np.array([along(flat, piece) for piece in range(int(flat.piece.max()) + 1)])
             inside = room[0] - 2.0 * MITRE_ROOM * stock.strip, room[1] - 2.0 * MITRE_ROOM * stock.strip
             flat = in_rows(flat, inside, (stock.spacing or 0.0) + 2.0 * stock.strip, least, grains)
-        flat = cut_to_fit(flat, room, flattened, too_wide, taken, refuse, None if grain is None else along, least)
-        own = on_sheets(flat, stock, truth(shapes, "shapes"))
+        own = on_sheets(cut(flat), stock, truth(shapes, "shapes"))
     except ValueError as error:
         raise CGCError(str(error)) from None
     ruled = [one.region for one in unrollings if one.unrolled] if rulings != 0 else []

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from compas_cgc import CGCProblem
+from compas_cgc.fabrication import moulding
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import space_form
@@ -99,6 +100,18 @@ def test_stress_converges_under_refinement(K):
     coarse, fine = (np.array([max(fit.stress for fit in own.panels), own.stress_95]) for own in reports)
     assert coarse == pytest.approx(fine, rel=0.05)
     assert f"bending stress on 95 % of the area: at most {reports[1].stress_95:.2g} MPa" in str(reports[1])
+
+
+def test_panels_are_rotated_on_a_pseudosphere_to_the_least_bending_whatever_angles_are_compared(monkeypatch):
+    problem = CGCProblem(*revolved_patch(12, -0.02)).with_supports("boundary").with_targets(-0.02)
+    divided = panels(problem, count=9)
+    refined = moulds(problem, divided).panels
+    monkeypatch.setattr(moulding, "ROTATIONS", 23)
+    others = moulds(problem, divided).panels
+    monkeypatch.setattr(moulding, "ROTATIONS", 719)
+    monkeypatch.setattr(moulding, "ANGLE_TOLERANCE", 1e-5)
+    for one, other, dense in zip(refined, others, moulds(problem, divided).panels):
+        assert one.stress == pytest.approx(dense.stress, rel=0.01) and other.stress == pytest.approx(dense.stress, rel=0.01)
 
 
 def test_both_changes_of_curvature_count_with_their_signs():

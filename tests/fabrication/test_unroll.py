@@ -601,6 +601,17 @@ def test_without_a_sheet_strain_cuts_no_strips():
     assert len(sizes) > 4 and all(size.min() > 0.3 * size.max() for size in sizes)
 
 
+def test_strips_are_cut_one_by_one_where_the_lines_of_a_grid_converge():
+    """A trapezoid of a sphere: columns of a grid become narrow along its short side and fill few sheets."""
+    vertices, faces = grid(20, 10.0)
+    vertices[:, :2] -= 5.0
+    vertices[:, 0] *= 0.7 - 0.06 * vertices[:, 1]
+    vertices[:, 2] = np.sqrt(144.0 - vertices[:, 0] ** 2 - vertices[:, 1] ** 2)
+    patterns = unroll(CGCProblem(vertices, faces).with_supports("boundary").with_targets(1.0 / 144.0), SHEET, rough=True)
+    assert patterns.sheets <= 24 and len(patterns.pieces) <= 24
+    assert patterns.area == pytest.approx(patterns.area_in_space, rel=1e-3)
+
+
 def test_a_closed_sphere_is_slit_and_cut():
     patterns = unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), SHEET, strain=0.02, rough=True)
     assert patterns.largest_strain <= 0.02
