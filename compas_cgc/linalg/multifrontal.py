@@ -16,6 +16,9 @@ from . import _fronts
 from .errors import SingularMatrixError
 from .ordering import elimination_order
 from .ordering import has_pattern
+from .refinement import POOR
+from .refinement import refined
+from .superlu import SuperLU
 
 __all__ = ["Multifrontal"]
 
@@ -30,6 +33,8 @@ class Multifrontal:
     ----------
     points
         ``(n, d)`` places of the unknowns, for the order of elimination.
+    refine
+        Whether solutions are checked and refined; where pivots on the diagonal are not good enough, others are chosen.
 
     References
     ----------
@@ -37,18 +42,24 @@ class Multifrontal:
     doi:10.1137/1.9780898718881.
     """
 
-    def __init__(self, points: Optional[FloatArray] = None):
-        self._points = points
-        self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
+    quick = False
 
-    def factorise(self, matrix: sparse.csr_matrix) -> int:
-        """Take in a symmetric matrix with sorted indices, and return the number of its negative eigenvalues.
+    def __init__(self, points: Optional[FloatArray] = None, refine: bool = True):
+        self._points, self._refine = points, refine
+        self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
+        self.negative = 0  # eigenvalues
+
+    def factorise(self, matrix: sparse.csr_matrix) -> Multifrontal:
+        """Factorise a symmetric matrix; the order of elimination is reused if the sparsity is that of the last one.
 
         Raises
         ------
         SingularMatrixError
             If a pivot vanishes.
         """
+        matrix = sparse.csr_matrix(matrix)
+        matrix.sort_indices()
+        self._matrix = matrix
         if not has_pattern(matrix, self._pattern):
             self._pattern = matrix.indptr, matrix.indices
             self._order, self._tree = _analysed(matrix.indptr, matrix.indices, elimination_order(matrix, self._points))
@@ -56,16 +67,23 @@ class Multifrontal:
             self._L, self._D, self._waiting = np.empty(own.offsets[-1]), np.empty(n), np.empty(own.most_waiting)
             self._room = np.empty((own.widest + 2 * _fronts.BLOCK) * own.widest)
         own = self._tree
-        negative = _fronts.factors(
+        self.negative = _fronts.factors(
             matrix.data, own.source, own.place, own.ends, own.starts, own.bounds, own.places, own.above, own.offsets,
             self._L, self._D, self._waiting, self._room,
         )  # fmt: skip
-        if negative < 0:
+        if self.negative < 0:
             raise SingularMatrixError("the matrix is singular: a pivot vanishes")
-        return int(negative)
+        return self
 
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Return the solutions (n,) or (n, k) for right sides of that shape."""
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return the solutions (n,) or (n, k) for right-hand sides of that shape."""
+        rhs = np.asarray(rhs, dtype=np.float64)
+        if not self._refine:
+            return self._applied(rhs)
+        x, quality = refined(self._matrix, self._applied, rhs)
+        return x if quality <= POOR else SuperLU(self._points).factorise(self._matrix).solve(rhs)
+
+    def _applied(self, right: FloatArray) -> FloatArray:
         own, solution = self._tree, np.empty_like(right)
         x = right[self._order].reshape(len(right), -1)
         _fronts.substitute(x, own.starts, own.bounds, own.rows, own.offsets, self._L, self._D, self._room)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 from scipy import sparse
 
 from ...discrete.arrays import FloatArray
 from ...linalg.multifrontal import Multifrontal
+from ...linalg.refinement import refined
 from ...linalg.work import rights
 from ...linalg.work import spend
 
@@ -14,7 +14,6 @@ __all__ = ["Saddle"]
 
 FACTORS = 10.0  # right sides that factors take as long as
 PRECISE, REFINEMENTS = 1e-12, 3  # relative residual of solutions, and rounds of refinement towards it
-GAIN = 0.5  # of the residual before, above which a round brings nothing more
 
 
 class Saddle:
@@ -27,7 +26,7 @@ class Saddle:
     """
 
     def __init__(self, points: FloatArray):
-        self._factors = Multifrontal(points)
+        self._factors = Multifrontal(points, refine=False)
 
     def factorise(self, matrix: sparse.csr_matrix) -> int:
         """Take a matrix in, and return the number of its negative eigenvalues.
@@ -39,7 +38,7 @@ class Saddle:
         """
         self._matrix = matrix
         spend(rights(FACTORS, matrix.shape[0]))
-        return self._factors.factorise(matrix)
+        return self._factors.factorise(matrix).negative
 
     def roughly(self, right: FloatArray) -> FloatArray:
         """Return the solution for a right side (s,) without refinement."""
@@ -47,11 +46,4 @@ class Saddle:
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for a right side (s,)."""
-        x, scale, before = self._factors.solve(right), float(np.abs(right).max(initial=0.0)), np.inf
-        for _ in range(REFINEMENTS):
-            residual = right - self._matrix @ x
-            left = float(np.abs(residual).max(initial=0.0))
-            if not PRECISE * scale < left < GAIN * before:
-                break
-            x, before = x + self._factors.solve(residual), left
-        return x
+        return refined(self._matrix, self._factors.solve, right, PRECISE, REFINEMENTS)[0]
