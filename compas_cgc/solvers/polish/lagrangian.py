@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from scipy import sparse
@@ -82,13 +83,16 @@ class Lagrangian:
         The laws of these pairs.
     fold_length
         ℓ: a strip of this width beside a crease bends as easily as the crease folds [L].
+    pattern
+        Of the same problem over another drawing.
     """
 
     side = 1.0  # to which domes rise first: 1 along the directions, -1 against them
     waves = math.inf  # d: shorter waves of the drawing are smoothed, longer ones kept [L]
 
     def __init__(
-        self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, rows: IntArray, law: Piecewise, fold_length: float
+        self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, rows: IntArray, law: Piecewise, fold_length: float,
+        pattern: Optional[_Pattern] = None,
     ):  # fmt: skip
         self.mesh, self.drawing, self.rows, self.law = mesh, drawing, rows, law
         self._posed = free, rows, law, fold_length
@@ -101,7 +105,7 @@ class Lagrangian:
         self.cells: FloatArray = (mesh.incidence @ areas)[self.rows]
         self.scales = law.scales(float(areas.sum()))  # that the residuals of the laws are compared with (r,)
         self.kept: FloatArray = np.zeros(mesh.unknowns)  # second derivatives of the energy that keeps the drawing (u,)
-        self.pattern = _Pattern(self)
+        self.pattern = _Pattern(self) if pattern is None else pattern.copied()
         self.uneven = self.pattern.unevenness(self, areas)
 
     @property
@@ -156,8 +160,7 @@ class Lagrangian:
             The length, against the square root of the area.
         """
         other, areas = copy.copy(self), self.mesh.at(self.drawing, np.zeros(len(self.mesh.angles.ends))).areas
-        other.pattern = copy.copy(self.pattern)
-        other.pattern.groups = list(self.pattern.groups)
+        other.pattern = self.pattern.copied()
         other.uneven = other.pattern.unevenness(self, areas, evenness)
         return other
 
@@ -170,7 +173,7 @@ class Lagrangian:
 
     def over(self, drawing: FloatArray, side: float) -> Lagrangian:
         """Return the same problem over another drawing (n, 3), and the side to which domes rise, 1 or -1."""
-        other = Lagrangian(self.mesh, drawing, *self._posed)
+        other = Lagrangian(self.mesh, drawing, *self._posed, self.pattern)
         other.side = side
         return other
 
@@ -338,6 +341,12 @@ class _Pattern:
         mirrored = sparse.csr_matrix((np.arange(len(keys) - first), self.indices, self.indptr), shape=(self.size, self.size)).T.tocsr()
         self.below = np.arange(self.indptr[q], self.indptr[-1])
         self.across = mirrored.data[self.below]
+
+    def copied(self) -> _Pattern:
+        """Return the same, for another drawing or evenness."""
+        other = copy.copy(self)
+        other.groups = list(self.groups)
+        return other
 
     def unevenness(self, lagrangian: Lagrangian, areas: FloatArray, evenness: float = 0.0) -> sparse.csr_matrix:
         """Return the quadratic form (m, m) of what values of faces differ from linear functions about every pair."""
