@@ -111,11 +111,11 @@ class _Tree(NamedTuple):
 def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[Indices, _Tree]:
     """Return the order (n,) of elimination with subtrees in one piece, and the fronts of a matrix."""
     n = len(order)
-    parent = _fronts.elimination_tree(*_permuted(indptr, indices, order)[:2])
-    order = order[_fronts.postorder(parent)]
-    indptr, indices, numbers = _permuted(indptr, indices, order)
-    parent = _fronts.elimination_tree(indptr, indices)
-    count = _fronts.column_counts(indptr, indices, parent)
+    lower = _halves(indptr, indices, order)[1]
+    order = order[_fronts.postorder(_fronts.elimination_tree(lower.indptr, lower.indices))]
+    upper, lower = _halves(indptr, indices, order)
+    parent = _fronts.elimination_tree(lower.indptr, lower.indices)
+    count = _fronts.column_counts(lower.indptr, lower.indices, parent)
     # Neighbours in the order whose columns of L have the same rows share a front.
     of = np.cumsum(np.append(True, (parent[:-1] != np.arange(1, n)) | (count[:-1] != count[1:] + 1))[:n]) - 1
     starts = np.append(np.flatnonzero(np.diff(of, prepend=-1)), n)
@@ -123,8 +123,8 @@ def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[
     above = np.where(parent[last] >= 0, of[parent[last]], -1)
     below = count[last] - 1
     bounds = np.append(0, np.cumsum(below))
-    rows = _fronts.rows_below(indptr, indices, of, above, bounds)
-    source, place, ends = _fronts.entries(indptr, indices, starts, bounds, rows)
+    rows = _fronts.rows_below(lower.indptr, lower.indices, of, above, bounds)
+    source, place, ends = _fronts.entries(upper.indptr, upper.indices, starts, bounds, rows)
     widths = np.diff(starts) + below
     return order, _Tree(
         starts,
@@ -132,7 +132,7 @@ def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[
         rows,
         _fronts.places_in_parents(starts, bounds, rows, above),
         above,
-        numbers[source],
+        upper.data[source],
         place,
         ends,
         np.append(0, np.cumsum(np.diff(starts) * widths)),
@@ -141,13 +141,16 @@ def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[
     )
 
 
-def _permuted(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[CSRIndices, CSRIndices, Indices]:
-    """Return row pointers and indices of a matrix in another order, and the numbers of its entries before."""
+def _halves(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+    """Return the upper triangle of a matrix in another order, with the numbers of its entries before, and its transpose.
+
+    Entries of which only one of a pair is stored, as those that cancel, do no harm.
+    """
     n = len(order)
     numbered = sparse.csr_matrix((np.arange(len(indices)), indices, indptr), shape=(n, n))
-    permuted = numbered[order][:, order]
-    permuted.sort_indices()
-    return permuted.indptr, permuted.indices, permuted.data
+    upper = sparse.triu(numbered[order][:, order], format="csr")
+    upper.sort_indices()
+    return upper, upper.T.tocsr()
 
 
 def _most_waiting(above: Indices, below: Indices) -> int:
