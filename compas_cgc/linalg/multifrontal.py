@@ -85,7 +85,7 @@ class Multifrontal:
 
     def _applied(self, right: FloatArray) -> FloatArray:
         own, solution = self._tree, np.empty_like(right)
-        x = right[self._order].reshape(len(right), -1)
+        x = np.ascontiguousarray(right[self._order] if right.ndim > 1 else right[self._order, None])
         _fronts.substitute(x, own.starts, own.bounds, own.rows, own.offsets, self._L, self._D, self._room)
         solution[self._order] = x.reshape(right.shape)
         return solution

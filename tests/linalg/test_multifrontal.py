@@ -89,3 +89,9 @@ def test_entries_that_cancel_on_one_side_of_the_diagonal_do_no_harm():
     np.testing.assert_allclose(
         Multifrontal(points).factorise(uneven).solve(right), Multifrontal(points).factorise(A).solve(right), rtol=1e-6
     )
+
+
+def test_no_unknowns_have_a_solution_and_empty_rows_none():
+    assert Multifrontal().factorise(sparse.csr_matrix((0, 0))).solve(np.zeros(0)).shape == (0,)
+    with pytest.raises(SingularMatrixError):
+        Multifrontal().factorise(sparse.csr_matrix((3, 3)))
