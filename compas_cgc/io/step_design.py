@@ -42,7 +42,7 @@ ON_SIDE = 1e-6  # distance of an edge from a side of its surface, relative to th
 EDGE_POINTS = 9
 SECONDS, SECONDS_PER_BYTE = 10.0, 20e-6  # longest processor time of reading; 4.8 s is the most that a valid design took
 MEMORY, MEMORY_PER_BYTE = 2**30, 100  # largest memory of reading [bytes]; 0.47 GB is the most that a valid design took
-PATIENCE = 4.0  # longest time by the clock, relative to the processor time, as on a busy computer
+PATIENCE = 20.0  # longest time by the clock, relative to the processor time, as on a busy computer
 _OUT_OF_TIME = getattr(signal, "SIGXCPU", 0)  # ends a process that has used its processor time
 
 
@@ -83,7 +83,8 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
                 timeout=PATIENCE * limit,
             )
         except subprocess.TimeoutExpired:
-            raise slow from None
+            waited = f"{PATIENCE * limit:.0f} s"
+            raise FileError(f"{path} was not read within {waited}, as this computer is too busy; try again later") from None
         if done.returncode == -_OUT_OF_TIME:
             raise slow
         if done.returncode:

@@ -112,9 +112,19 @@ def test_edges_far_from_their_faces_are_refused(cushion, tmp_path):
 
 def test_reading_ends_with_a_limit_of_time(cushion, tmp_path, monkeypatch):
     (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
-    monkeypatch.setattr(step_design, "SECONDS", 0.0)
-    monkeypatch.setattr(step_design, "SECONDS_PER_BYTE", 0.0)
-    with pytest.raises(FileError, match="takes more than"):
+    monkeypatch.setattr(step_design, "PATIENCE", 0.0)
+    with pytest.raises(FileError, match="was not read within 0 s, as this computer is too busy"):
+        read_step_design(tmp_path / "cushion.step")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="systems without a limit of processor time")
+def test_a_reader_that_has_used_its_processor_time_is_said(cushion, tmp_path, monkeypatch):
+    (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
+    reader = tmp_path / "python"
+    reader.write_text("#!/bin/sh\nkill -XCPU $$\n", encoding="utf-8")
+    reader.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(reader))
+    with pytest.raises(FileError, match="takes more than 1. s to read"):
         read_step_design(tmp_path / "cushion.step")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 
-__all__ = ["Layer", "Plan", "PlanCurve", "PlanMesh", "length", "plan_data", "roles", "size"]
+__all__ = ["Layer", "Plan", "PlanCurve", "PlanMesh", "left_outside", "length", "plan_data", "roles", "size"]
 
 
 class PlanCurve(NamedTuple):
@@ -89,11 +89,16 @@ def roles(plan: Plan, folded: Collection[str] = ()) -> list[str]:
     return result
 
 
+def left_outside(count: int) -> str:
+    """Return the note on curves outside the outline."""
+    return f"{count} curve{'s' * (count > 1)} outside the outline {'were' if count > 1 else 'was'} ignored"
+
+
 def plan_data(plan: Plan) -> dict:
     """Return a plan as JSON data for the drawing board: lines, columns, layers and notes, without curves outside the outline."""
     part = roles(plan)
     outside = part.count("outside")
-    notes = [*plan.notes, *([f"{outside} curves outside the outline were ignored"] if outside else [])]
+    notes = [*plan.notes, *([left_outside(outside)] if outside else [])]
     lines = [
         {
             "points": (curve.points[:-1] if curve.is_closed else curve.points).tolist(),

@@ -21,6 +21,7 @@ from ..rhino.sketch import Part
 from ..rhino.units import unit_suffix
 from .dxf import read_dxf_plan
 from .plan import Plan
+from .plan import left_outside
 from .plan import roles
 from .plan import size
 
@@ -101,7 +102,7 @@ def problem_of_plan(
             raise FileError(str(error)) from None
         parts, creases = [made.part], made.creases
         notes += made.notes
-        notes += [Omission(f"{outside} curves outside the outline were ignored")] if outside else []
+        notes += [Omission(left_outside(outside))] if outside else []
     return assemble(
         name=name,
         parts=parts,
