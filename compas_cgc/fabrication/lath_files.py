@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
@@ -19,11 +20,13 @@ __all__ = ["draw_laths", "schedule_text"]
 
 ROW = 2.0  # distance of strips in the drawing, relative to their width
 PLAN_GAP = 10.0  # distance of the plan from the strips, relative to their width
+NAME_HEIGHT = 0.3  # of the number of a lath on its strip, relative to its width
+NODE_ROOM = 0.8  # length of the text of a node on a strip, relative to its width
 PLAN_TEXT = 0.012  # height of the numbers of laths in the plan, relative to its size
 MEANINGS = {
     "CUT": "contour of the strips with their slots, to cut",
     "MARK": "splice",
-    "LABEL": "number of the lath, at its station 0",
+    "LABEL": "number of the lath, on strips to engrave: station 0 is at the left of its upright text; in the plan at station 0",
     "NODE": "on strips: node / crossing lath, to engrave; in the plan: node",
     "SHEET": "title; not cut",
 }
@@ -156,7 +159,7 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
             texts.append(Text("NODE", f"{node} / L{across}", np.array([mm * station, free]), 0.12 * width))
         for splice in lath.splices:
             lines.append(Line("MARK", np.array([[mm * splice, low], [mm * splice, low + width]])))
-        texts.append(Text("LABEL", f"L{lath.number}", np.array([-width, low + 0.5 * width]), 0.4 * width))
+        texts.append(_name(f"L{lath.number}", mm * np.r_[0.0, lath.stations, length / mm], free, width))
     title = (
         f"{len(schedule.laths)} laths of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}, drawn 1:1; all lengths in mm; "
         "the lower edge lies inside; the face towards the viewer is the right one"
@@ -175,6 +178,16 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
     return Drawing([*drawing.lines, *plan.lines], [*drawing.texts, *plan.texts], (float(size[0]), float(size[1])), "Millimeters")
 
 
+def _name(text: str, stations: FloatArray, y: float, width: float) -> Text:
+    """Return the number of a lath on its strip, in the first space between texts of nodes at stations (k,) that has room for it [mm]."""
+    room = np.diff(stations) - NODE_ROOM * width
+    at = int(np.argmax(room > NAME_HEIGHT * width * LETTER_WIDTH * (len(text) + 1)))
+    if room[at] <= NAME_HEIGHT * width * LETTER_WIDTH * (len(text) + 1):
+        at = int(np.argmax(room))
+    height = min(NAME_HEIGHT * width, max(float(room[at]), 0.1 * width) / (LETTER_WIDTH * (len(text) + 1)))
+    return Text("LABEL", text, np.array([0.5 * (stations[at] + stations[at + 1]), y]), height)
+
+
 def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
     """Return the laths in plan, with their numbers at station 0 and the numbers of nodes, moved by -origin [mm]."""
     mm = 1e3 * schedule.unit
@@ -186,7 +199,16 @@ def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
         back = path[0] - path[1]
         text = f"L{lath.number}"
         back = back / max(float(np.linalg.norm(back)), np.finfo(float).tiny)
-        texts.append(Text("LABEL", text, path[0] + clearance(text, height, back) * back, height))
+        place = path[0] + clearance(text, height, back) * back
+        while back.any() and any(_overlap(text, place, other) for other in texts):
+            place = place + 0.5 * height * back
+        texts.append(Text("LABEL", text, place, height))
         numbers.update(zip(lath.nodes.tolist(), mm * lath.points[:, :2] - origin))
     texts += [Text("NODE", str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
     return Drawing(lines, texts, (0.0, 0.0), "Millimeters")
+
+
+def _overlap(text: str, place: FloatArray, other: Text) -> bool:
+    """Return whether a text at a place (2,) would overlap another of the same height."""
+    apart = np.abs(place - other.place) / other.height
+    return bool(apart[0] < 0.5 * LETTER_WIDTH * (len(text) + len(other.text) + 1) and apart[1] < 1.2)

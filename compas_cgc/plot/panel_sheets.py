@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Any
@@ -25,6 +26,8 @@ __all__ = ["panel_figure", "save_panel_sheets"]
 PAGE = (11.7, 8.3)  # A4 [in]
 WARNING = "#b00020"
 ROWS = 32  # of the schedule on one page
+KEY = (0.81, 0.79, 0.16, 0.16)  # place of the small plan on the page of a panel
+TEXT_WIDTH = 0.75  # width of a letter relative to its size, with room beside it
 MARGIN = 0.16  # around an outline, relative to its size
 HEAD = (
     "panel",
@@ -32,7 +35,7 @@ HEAD = (
     "mould",
     "K [1/m²]",
     "length x width [mm]",
-    "rise over mean plane [mm]",
+    "rise [mm]",
     "area [m²]",
     "stress",
     "sides [mm] and neighbours",
@@ -56,15 +59,17 @@ def save_panel_sheets(sheets: list[PanelSheet], path: Union[str, os.PathLike], t
 def _pages(sheets: list[PanelSheet], title: str) -> Iterator[Figure]:
     for first in range(0, len(sheets), ROWS):
         yield _schedule(sheets[first : first + ROWS], f"{title} panels {first + 1} to {min(first + ROWS, len(sheets))} of {len(sheets)}")
+    yield _plan(sheets, f"{title} plan of {len(sheets)} panels")
     for own in sheets:
-        yield panel_figure(own, title)
+        yield panel_figure(own, title, sheets)
 
 
 def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
     figure = new_figure(*PAGE)
     figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
     about = (
-        "lengths in millimetres; sides counterclockwise, seen from outside; stress: of bending on 95 % of the area, in % of the strength"
+        "lengths in millimetres; sides counterclockwise from corner 1, seen from outside; rise: from the lowest to the highest point over "
+        "the mean plane; stress: of bending on 95 % of the area, in % of the strength"
     )
     broken = [own.fit.panel.name for own in sheets if own.used > 1.0]
     figure.text(0.05, 0.935, f"{about} (red: the panel breaks)" if broken else about, fontsize=7, color=INK)
@@ -74,6 +79,33 @@ def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
         for x, cell in zip(columns, cells):
             figure.text(x, 0.9 - row * 0.026, cell, fontsize=6.5, color=ink, weight="bold" if row == 0 else "normal")
     return figure
+
+
+def _plan(sheets: list[PanelSheet], title: str) -> Figure:
+    """Return the plan with the names of all panels, each with a dot at corner 1."""
+    figure = new_figure(*PAGE)
+    figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
+    figure.text(0.05, 0.93, "seen from above, x to the right and y up, not to scale; dots: corner 1 of the panels", fontsize=7, color=INK)
+    axes = _plan_axes(figure, sheets, (0.04, 0.04, 0.92, 0.86), "0.2")
+    scale = 72.0 * min(0.92 * PAGE[0] / np.ptp(axes.get_xlim()), 0.86 * PAGE[1] / np.ptp(axes.get_ylim()))
+    for own in sheets:
+        plan = own.corners[:, :2]
+        middle, name = plan.mean(axis=0), own.fit.panel.name
+        room = scale * own.size[1] / (TEXT_WIDTH * len(name))
+        axes.text(*middle, name, fontsize=min(8.0, room), color=INK, ha="center", va="center")
+        axes.plot(*(plan[0] + 0.14 * (middle - plan[0])), marker="o", markersize=1.5, color=INK)
+    return figure
+
+
+def _plan_axes(figure: Figure, sheets: Sequence[PanelSheet], place: tuple[float, float, float, float], color: str) -> Any:
+    """Draw the outlines of all panels from above into a part of a figure, x to the right, and return its axes."""
+    axes: Any = figure.add_axes(place)
+    axes.set_aspect("equal")
+    axes.axis("off")
+    # One line with gaps is drawn much faster than many polygons.
+    paths = [np.vstack([own.corners[:, :2], own.corners[:1, :2], np.full((1, 2), np.nan)]) for own in sheets]
+    axes.plot(*np.concatenate(paths).T, color=color, linewidth=0.4)
+    return axes
 
 
 def _cells(own: PanelSheet) -> tuple[str, ...]:
@@ -92,10 +124,10 @@ def _cells(own: PanelSheet) -> tuple[str, ...]:
     return (*about, sides if len(sides) < 90 else f"{len(own.sides)} sides, see the drawing")
 
 
-def panel_figure(own: PanelSheet, title: str = "") -> Figure:
-    """Return the drawing of a panel: outline with lengths, diagonals and neighbours, size, mould and K."""
+def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] = ()) -> Figure:
+    """Return the drawing of a panel: outline with lengths, diagonals and neighbours, size, mould and K, and its place among others."""
     figure = new_figure(*PAGE)
-    axes: Any = figure.add_axes((0.04, 0.16, 0.92, 0.74))
+    axes: Any = figure.add_axes((0.04, 0.16, 0.92, 0.62) if sheets else (0.04, 0.16, 0.92, 0.74))
     axes.set_aspect("equal")
     axes.axis("off")
     outline = np.vstack([side.points[:-1] for side in own.sides])
@@ -119,6 +151,11 @@ def panel_figure(own: PanelSheet, title: str = "") -> Figure:
         away = corners[k] - middle
         number = f"{k + 1} ({own.heights[k]:+.1f})"
         axes.text(*(corners[k] + 0.045 * size * away / np.linalg.norm(away)), number, fontsize=7, color=INK, ha="center", va="center")
+    if sheets:
+        plan = _plan_axes(figure, sheets, KEY, "0.7")
+        plan.fill(*own.corners[:, :2].T, facecolor="0.4", edgecolor=INK, linewidth=0.4)
+        plan.plot(*own.corners[0, :2], marker="o", markersize=2.5, color=INK)
+        figure.text(KEY[0] + 0.5 * KEY[2], KEY[1] - 0.015, "place in plan, from above; dot: corner 1", fontsize=6, color=INK, ha="center")
     axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
     figure.text(0.05, 0.95, f"{title} panel {own.fit.panel.name}".strip(), fontsize=13, color=INK, weight="bold")

@@ -12,6 +12,7 @@ from compas_cgc import CGCError
 from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication.drawing import LETTER_WIDTH
 from compas_cgc.fabrication.laths import lath_schedule
 from compas_cgc.io.nets import write_net
 
@@ -153,6 +154,23 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     strips = [
         shapely.Polygon([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="CUT"]')
     ]
+    # Every strip has its number on it, clear of the texts of nodes, and no two numbers of the plan overlap.
+    labels = document.modelspace().query('TEXT[layer=="LABEL"]')
+    places = [(text.dxf.text, text.get_placement()[1], text.dxf.height) for text in labels]
+    on_strips, in_plan = places[: len(strips)], places[len(strips) :]
+    nodes = [text.get_placement()[1] for text in document.modelspace().query('TEXT[layer=="NODE"]')]
+    for strip, (name, place, height) in zip(strips, on_strips):
+        half = 0.5 * LETTER_WIDTH * height * len(name)
+        room = shapely.box(place[0] - half, place[1] - 0.5 * height, place[0] + half, place[1] + 0.5 * height)
+        assert strip.contains(room) and height >= 10.0
+        assert not any(room.buffer(5.0).contains(shapely.Point(node[0], node[1])) for node in nodes)
+    assert (
+        [name for name, _, _ in on_strips] == [name for name, _, _ in in_plan] == [f"L{lath.number}" for lath in lath_schedule(net).laths]
+    )
+    for i, (name, place, height) in enumerate(in_plan):
+        for other, beside, _ in in_plan[:i]:
+            width = 0.5 * LETTER_WIDTH * height * (len(name) + len(other))
+            assert abs(place[0] - beside[0]) > width or abs(place[1] - beside[1]) > height
     schedule = lath_schedule(net, 100.0, 10.0)
     assert len(strips) == len(schedule.laths)
     for strip, lath in zip(strips, schedule.laths):

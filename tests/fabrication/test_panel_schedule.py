@@ -98,4 +98,4 @@ def test_the_pdf_has_a_page_per_panel_and_is_the_same_again(report, tmp_path):
     sheets = panel_sheets(*report)[:3]
     first, again = (save_panel_sheets(sheets, tmp_path / name, "facade:").read_bytes() for name in ("a.pdf", "b.pdf"))
     assert first == again
-    assert first.count(b"/Type /Page ") == 1 + len(sheets)
+    assert first.count(b"/Type /Page ") == 2 + len(sheets)
