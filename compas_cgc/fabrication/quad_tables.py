@@ -45,10 +45,11 @@ def beam_text(quads: PlaneQuads) -> str:
     lengths = mm * np.linalg.norm(quads.vertices[quads.edges[:, 0]] - quads.vertices[quads.edges[:, 1]], axis=1)
     rows = []
     for number, ((a, b), length, twist, angle) in enumerate(zip(quads.edges.tolist(), lengths, quads.twist, _angles(quads))):
-        ends = [f"{value:.1f}" for value in np.round(mm * quads.vertices[[a, b]], 1).ravel() + 0.0]
+        far = quads.vertices[[a, b]] + quads.depth * quads.axes[[a, b]]
+        ends = [f"{value:.1f}" for value in np.round(mm * np.vstack([quads.vertices[[a, b]], far]), 1).ravel() + 0.0]
         folded = "" if np.isnan(angle) else f"{np.degrees(angle):.2f}"
         rows.append((f"B{number}", a, b, f"{length:.1f}", f"{mm * quads.depth:.1f}", f"{mm * twist:.3f}", folded, *ends))
-    places = tuple(f"{end} {axis} in mm" for end in ("from", "to") for axis in "xyz")
+    places = tuple(f"{end} {axis} in mm" for end in ("from", "to", "far from", "far to") for axis in "xyz")
     head = ("beam", "from node", "to node", "length in mm", "depth in mm", "twist in mm", "angle between faces in degrees", *places)
     return csv_text(head, rows, quad_notes(quads))
 
@@ -85,7 +86,8 @@ def quad_notes(quads: PlaneQuads) -> list[str]:
         f"beams are plates across the faces, from the nodes to their depth {'outside' if outwards else 'inside'}; their length is that "
         "between the nodes; the engineer chooses their thickness",
         "twist: distance between the diagonals of a beam, 0 if it is plane; a twisted beam is drawn with its true sides, bent along the "
-        "diagonal; angle between faces: between their normals, positive if convex",
+        "diagonal; angle between faces: between their normals, positive if convex, empty at the edge of a region; far from, far to: the "
+        "other two corners of a beam, at its depth",
     ]
 
 

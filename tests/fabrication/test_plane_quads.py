@@ -223,6 +223,10 @@ def test_the_command_writes_faces_and_beams(tmp_path):
     signed = []
     for row in beams:
         a, b = int(row["from node"]), int(row["to node"])
+        # The far corners of a beam lie at its depth from the faces beside it.
+        far = np.array([[float(row[f"far {end} {axis} in mm"]) for axis in "xyz"] for end in ("from", "to")])
+        for normal in (normals[side] for side in ((a, b), (b, a)) if side in normals):
+            assert abs((far - vertices[[a, b]]) @ normal) == pytest.approx(100.0, abs=1.0)
         assert (row["angle between faces in degrees"] == "") == ((a, b) not in normals or (b, a) not in normals)
         if row["angle between faces in degrees"]:
             signed.append(float(row["angle between faces in degrees"]))
