@@ -314,9 +314,9 @@ def _fitted(
 
 
 def _least_angle(bending: Callable[[float], float]) -> float:
-    """Return the angle of least bending; angles half a turn apart differ too."""
+    """Return the angle of least bending; angles half a turn apart differ too. At some the panel may pass the edge of the mould."""
     step = 2.0 * np.pi / ROTATIONS
-    start = step * int(np.argmin([bending(step * turn) for turn in range(ROTATIONS)]))
+    start = step * int(np.argmin(np.nan_to_num([bending(step * turn) for turn in range(ROTATIONS)], nan=np.inf)))
     found = minimize_scalar(bending, bounds=(start - step, start + step), method="bounded", options={"xatol": ANGLE_TOLERANCE})
     return float(found.x) if found.fun < bending(start) else start
 

@@ -16,9 +16,6 @@ from . import _fronts
 from .errors import SingularMatrixError
 from .ordering import elimination_order
 from .ordering import has_pattern
-from .refinement import POOR
-from .refinement import refined
-from .superlu import SuperLU
 
 __all__ = ["Multifrontal"]
 
@@ -33,8 +30,6 @@ class Multifrontal:
     ----------
     points
         ``(n, d)`` places of the unknowns, for the order of elimination.
-    refine
-        Whether solutions are checked and refined; where pivots on the diagonal are not good enough, others are chosen.
 
     References
     ----------
@@ -42,10 +37,8 @@ class Multifrontal:
     doi:10.1137/1.9780898718881.
     """
 
-    quick = False
-
-    def __init__(self, points: Optional[FloatArray] = None, refine: bool = True):
-        self._points, self._refine = points, refine
+    def __init__(self, points: Optional[FloatArray] = None):
+        self._points = points
         self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
         self.negative = 0  # eigenvalues
 
@@ -59,7 +52,6 @@ class Multifrontal:
         """
         matrix = sparse.csr_matrix(matrix)
         matrix.sort_indices()
-        self._matrix = matrix
         if not has_pattern(matrix, self._pattern):
             self._pattern = matrix.indptr, matrix.indices
             self._order, self._tree = _analysed(matrix.indptr, matrix.indices, elimination_order(matrix, self._points))
@@ -75,15 +67,8 @@ class Multifrontal:
             raise SingularMatrixError("the matrix is singular: a pivot vanishes")
         return self
 
-    def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return the solutions (n,) or (n, k) for right-hand sides of that shape."""
-        rhs = np.asarray(rhs, dtype=np.float64)
-        if not self._refine:
-            return self._applied(rhs)
-        x, quality = refined(self._matrix, self._applied, rhs)
-        return x if quality <= POOR else SuperLU(self._points).factorise(self._matrix).solve(rhs)
-
-    def _applied(self, right: FloatArray) -> FloatArray:
+    def solve(self, right: FloatArray) -> FloatArray:
+        """Return the solutions (n,) or (n, k) for right sides of that shape, without refinement."""
         own, solution = self._tree, np.empty_like(right)
         x = np.ascontiguousarray(right[self._order] if right.ndim > 1 else right[self._order, None])
         _fronts.substitute(x, own.starts, own.bounds, own.rows, own.offsets, self._L, self._D, self._room)
