@@ -49,6 +49,8 @@ class Multifrontal:
         ------
         SingularMatrixError
             If a pivot vanishes.
+        ValueError
+            If only one entry of a pair is stored.
         """
         matrix = sparse.csr_matrix(matrix)
         matrix.sort_indices()
@@ -96,6 +98,10 @@ class _Tree(NamedTuple):
 def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[Indices, _Tree]:
     """Return the order (n,) of elimination with subtrees in one piece, and the fronts of a matrix."""
     n = len(order)
+    pattern = sparse.csr_matrix((np.ones(len(indices), bool), indices, indptr), shape=(n, n))
+    other = pattern.T.tocsr()
+    if not (np.array_equal(pattern.indptr, other.indptr) and np.array_equal(pattern.indices, other.indices)):
+        raise ValueError("the sparsity of the matrix must be symmetric; store both entries of every pair")
     lower = _halves(indptr, indices, order)[1]
     order = order[_fronts.postorder(_fronts.elimination_tree(lower.indptr, lower.indices))]
     upper, lower = _halves(indptr, indices, order)
@@ -127,10 +133,7 @@ def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[
 
 
 def _halves(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-    """Return the upper triangle of a matrix in another order, with the numbers of its entries before, and its transpose.
-
-    Entries of which only one of a pair is stored, as those that cancel, do no harm.
-    """
+    """Return the upper triangle of a matrix in another order, with the numbers of its entries before, and its transpose."""
     n = len(order)
     numbered = sparse.csr_matrix((np.arange(len(indices)), indices, indptr), shape=(n, n))
     upper = sparse.triu(numbered[order][:, order], format="csr")
