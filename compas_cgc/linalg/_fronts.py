@@ -11,7 +11,16 @@ from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 
-__all__ = ["column_counts", "elimination_tree", "entries", "factors", "places_in_parents", "postorder", "rows_below", "substitute"]
+__all__ = [
+    "column_counts",
+    "elimination_tree",
+    "factors",
+    "places_in_parents",
+    "places_of_entries",
+    "postorder",
+    "rows_below",
+    "substitute",
+]
 
 BLOCK = 32  # pivots of a front whose rows are taken from the others at once
 
@@ -108,16 +117,9 @@ def places_in_parents(starts: Indices, bounds: Indices, rows: Indices, above: In
 
 
 @kernel()
-def entries(indptr: CSRIndices, indices: CSRIndices, starts: Indices, bounds: Indices, rows: Indices) -> tuple[Indices, Indices, Indices]:
-    """Return the entries of the upper triangle, their places in the fronts of their rows, and bounds (f + 1,) of those of every front."""
-    n, count = len(indptr) - 1, 0
-    for j in range(n):
-        for at in range(indptr[j], indptr[j + 1]):
-            if indices[at] >= j:
-                count += 1
-    source, place, ends = np.empty(count, np.int64), np.empty(count, np.int64), np.zeros(len(starts), np.int64)
-    local = np.empty(n, np.int64)
-    count = 0
+def places_of_entries(indptr: CSRIndices, indices: CSRIndices, starts: Indices, bounds: Indices, rows: Indices) -> Indices:
+    """Return the places of the entries of an upper triangle in the fronts of their rows."""
+    places, local = np.empty(len(indices), np.int64), np.empty(len(indptr) - 1, np.int64)
     for front in range(len(starts) - 1):
         first, pivots = starts[front], starts[front + 1] - starts[front]
         width = pivots + bounds[front + 1] - bounds[front]
@@ -127,11 +129,8 @@ def entries(indptr: CSRIndices, indices: CSRIndices, starts: Indices, bounds: In
             local[rows[k]] = pivots + k - bounds[front]
         for j in range(pivots):
             for at in range(indptr[first + j], indptr[first + j + 1]):
-                if indices[at] >= first + j:
-                    source[count], place[count] = at, j * width + local[indices[at]]
-                    count += 1
-        ends[front + 1] = count
-    return source, place, ends
+                places[at] = j * width + local[indices[at]]
+    return places
 
 
 @kernel()
@@ -249,8 +248,7 @@ def substitute(
     x: FloatArray, starts: Indices, bounds: Indices, rows: Indices, offsets: Indices, L: FloatArray, D: FloatArray, own: FloatArray
 ) -> None:
     """Turn right sides (n, k) into solutions; `own` has room for the rows of a front."""
-    n, columns = x.shape
-    for column in range(columns):
+    for column in range(x.shape[1]):
         for front in range(len(starts) - 1):
             first, pivots, below = starts[front], starts[front + 1] - starts[front], bounds[front]
             width = pivots + bounds[front + 1] - below

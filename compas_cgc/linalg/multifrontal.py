@@ -115,7 +115,6 @@ def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[
     below = count[last] - 1
     bounds = np.append(0, np.cumsum(below))
     rows = _fronts.rows_below(lower.indptr, lower.indices, of, above, bounds)
-    source, place, ends = _fronts.entries(upper.indptr, upper.indices, starts, bounds, rows)
     widths = np.diff(starts) + below
     return order, _Tree(
         starts,
@@ -123,9 +122,9 @@ def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[
         rows,
         _fronts.places_in_parents(starts, bounds, rows, above),
         above,
-        upper.data[source],
-        place,
-        ends,
+        upper.data,
+        _fronts.places_of_entries(upper.indptr, upper.indices, starts, bounds, rows),
+        upper.indptr[starts],
         np.append(0, np.cumsum(np.diff(starts) * widths)),
         int(widths.max(initial=0)),
         _most_waiting(above, below),
