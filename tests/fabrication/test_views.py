@@ -75,7 +75,7 @@ def test_a_section_is_the_surface_along_its_line():
 def test_heights_of_contour_lines_touch_neither_each_other_nor_sections():
     drawn = draw_views(roof(), 100, contours=0.1)
     labels = [own for own in drawn.labels if own.layer == "CONTOUR"]
-    places, half = np.array([own.place for own in labels]), np.array([0.5 * letters(own.text) for own in labels])
+    places, half = np.array([own.place for own in labels]), np.array([0.5 * letters(own.text, own.height) for own in labels])
     apart = np.linalg.norm(places[:, None] - places, axis=2) - half[:, None] - half
     assert len(labels) > 5 and apart[np.triu_indices(len(labels), 1)].min() > 0.0
     for line in drawn.lines:
@@ -96,6 +96,34 @@ def test_contour_lines_have_their_heights_and_supports_their_lines():
     assert labels >= {"0.5", "1.0", "2.5"}
     lengths = [np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in of(drawn, "SUPPORT")]
     assert sum(own == pytest.approx(10 * DEPTH) for own in lengths) >= 2
+
+
+def test_the_plan_names_regions_and_heights_of_supports():
+    own = roof()
+    stepped = own.with_supports(own.supports.tolist()).with_creases([np.flatnonzero(np.isclose(own.vertices[:, 0], 0.0)).tolist()])
+    drawn = draw_views(stepped, 100)
+    names = [label.text for label in drawn.labels if label.layer == "REGION"]
+    assert names == ["region 0", "K = 0", "region 1", "K = 0"]
+    (left, right) = ([label.place[0] for label in drawn.labels if label.text == f"region {k}"][0] for k in (0, 1))
+    assert abs(left - right) > 10 * WIDTH / 4
+    # All supports have one height, which the legend states once.
+    assert "red: supports, all at 0.000" in " ".join(label.text for label in drawn.labels if label.layer == "TEXT")
+    V = own.vertices.copy()
+    V[np.argmax(V[:, :2].sum(axis=1)), 2] += 0.25
+    lifted = draw_views(own.with_vertices(V), 100)
+    assert {label.text for label in lifted.labels if label.layer == "SUPPORT"} == {"0.000", "0.250"}
+
+
+def test_sections_show_no_supports_before_the_cut():
+    corners = CGCMesh.from_meshgrid(dx=4.0, nx=4)
+    vertices, faces = corners.to_vertices_and_faces(triangulated=True)
+    V = np.array(vertices)
+    held = [int(np.argmin(np.linalg.norm(V[:, :2] - at, axis=1))) for at in ([0, 0], [4, 0], [4, 4], [0, 4])]
+    problem = CGCProblem(V, np.array(faces)).with_targets(0.0).with_supports(held)
+    drawn = draw_views(problem, 100, sections=[(0, 2, 4, 2)])
+    symbols = [line for line in of(drawn, "SUPPORT") if line.closed]
+    # Four in the plan, two beyond the section, and four in every elevation of a level surface.
+    assert len(symbols) == 4 + 2 + 4 * 4
 
 
 def test_elevations_hide_what_is_behind():

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from ...discrete.arrays import FloatArray
 from ...errors import CGCError
 from ...errors import names_what_was_meant
-from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ...model.problem import problem_of
 from .. import option_values as values
@@ -25,6 +24,7 @@ from .marks import TEXT_HEIGHT
 from .marks import Label
 from .marks import View
 from .marks import letters
+from .notes import legend
 from .projections import PADDING
 from .projections import Cut
 from .projections import Shape
@@ -115,8 +115,8 @@ def draw_views(
 ) -> ViewSheet:
     """Draw the plan, sections and elevations of a surface to scale on one sheet.
 
-    The plan shows outlines, creases, contour lines with heights, and supports. Sections show the cut and what is visible beyond;
-    elevations show the visible outlines, creases and silhouettes from the south, east, north and west.
+    The plan shows outlines, creases, regions with their K, contour lines, and supports with their heights. Sections show the cut and what
+    is visible beyond; elevations show the visible outlines, creases and silhouettes from the south, east, north and west.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def draw_views(
     views = [plan(shape, k, interval, cuts, upwards), *(section(shape, k, cut) for cut in cuts)]
     views += [elevation(shape, k, side, towards) for side, towards in sides.items()]
     placed = _placed(views, rows, SHEETS[name])
-    frame_lines, frame_labels = _title_block(problem, SHEETS[name], title, found, name, units, interval)
+    frame_lines, frame_labels = _title_block(shape, SHEETS[name], title, found, name, units, interval)
     levels = [
         (level, line) for level in shape.levels(interval) for line in level_lines(shape.vertices, shape.faces, shape.vertices[:, 2], level)
     ]
@@ -299,9 +299,10 @@ def _placed(views: Sequence[View], rows: list[list[int]], sheet: tuple[float, fl
 
 
 def _title_block(
-    problem: CGCProblem, size: tuple[float, float], title: str, scale: int, sheet: str, units: str, interval: float
+    shape: Shape, size: tuple[float, float], title: str, scale: int, sheet: str, units: str, interval: float
 ) -> tuple[list[Line], list[Label]]:
-    """Return the frame of the sheet and its title block."""
+    """Return the frame of the sheet and its title block, with the legend in its first cell."""
+    problem = shape.problem
     low, high = np.array([MARGIN, MARGIN]), np.array(size) - MARGIN
     corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
     unit = UNIT_NAMES.get(units, units)
@@ -309,8 +310,8 @@ def _title_block(
     targets = sorted({K for K in problem.region_targets() if K is not None})
     K = "-" if not targets else f"{targets[0]:.3g}" if len(targets) == 1 else f"{targets[0]:.3g} to {targets[-1]:.3g}"
     cells = [
+        ("", ""),
         ("Title", title),
-        ("Contents", "Plan, sections, elevations"),
         ("Scale", f"1:{scale} ({sheet})"),
         ("Lengths and heights", f"{unit}{known}"),
         ("Contour lines", f"every {interval:g} {unit}"),
@@ -318,7 +319,8 @@ def _title_block(
     ]
     needed = np.array([max(letters(head, 0.8 * TEXT_HEIGHT), letters(text, 1.2 * TEXT_HEIGHT)) + 4.0 for head, text in cells])
     width = high[0] - low[0]
-    needed[0] = max(width - needed[1:].sum(), 0.15 * width)
+    needed[1] = min(needed[1], 0.25 * width)
+    needed[0] = max(width - needed[1:].sum(), 0.25 * width)
     edges = low[0] + np.concatenate([[0.0], np.cumsum(needed)]) * min(1.0, width / needed.sum())
     top = low[1] + STRIP
     lines = [Line("FRAME", corners, closed=True), Line("FRAME", np.array([[low[0], top], [high[0], top]]))]
@@ -329,4 +331,5 @@ def _title_block(
         middle = 0.5 * (left + right)
         labels.append(Label("TEXT", head, np.array([middle, top - 4.0]), 0.8 * TEXT_HEIGHT))
         labels.append(Label("TEXT", text, np.array([middle, low[1] + 5.0]), height))
-    return lines, labels
+    cell = legend(shape, unit, (edges[1] - edges[0] - 3.0, STRIP - 1.0))
+    return lines, [*labels[2:], *(own._replace(place=own.place + [low[0] + 1.5, low[1] + 0.5]) for own in cell)]

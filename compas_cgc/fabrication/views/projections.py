@@ -26,6 +26,8 @@ from .marks import cut_for
 from .marks import dimension
 from .marks import height_mark
 from .marks import letters
+from .notes import region_labels
+from .notes import support_heights
 
 __all__ = ["PADDING", "Cut", "Shape", "elevation", "plan", "section"]
 
@@ -35,6 +37,7 @@ SUPPORT_SIZE = 2.4  # of the symbol of a single support [mm]
 LETTER_AT = 7.0  # distance of the ends of section lines from the plan [mm]
 NORTH_LENGTH = 9.0  # [mm]
 MIN_LABEL_ROOM = 3.0  # length of a contour relative to its text, below which it has no text
+SUPPORT_TOLERANCE = 1e-9  # distance in front of a section at which a support is shown, relative to the size
 PIECES = 2  # of a segment, for visibility
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -99,6 +102,12 @@ class Shape:
         on_lines = np.concatenate([np.empty(0, np.int64), *self.held_lines])
         return np.setdiff1d(self.problem.supports, on_lines)
 
+    @cached_property
+    def height_of_supports(self) -> str:
+        """The height of all supports as text, empty if they differ or there are none."""
+        heights = {self.number(height + 0.0) for height in self.vertices[self.problem.supports, 2].tolist()}
+        return heights.pop() if len(heights) == 1 else ""
+
     def silhouettes(self, eye: FloatArray) -> list[FloatArray]:
         """Return the edges between faces towards the viewer and faces away, for the direction (3,) of the viewer, as polylines."""
         sides = np.sort(np.stack([self.faces, np.roll(self.faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
@@ -115,7 +124,7 @@ def _runs(mask: np.ndarray) -> list[IntArray]:
 
 
 def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north: FloatArray) -> View:
-    """Return the plan with outlines, creases, contour lines with heights, supports, section lines and the north arrow.
+    """Return the plan with outlines, creases, regions, contour lines, supports with heights, section lines and the north arrow.
 
     Parameters
     ----------
@@ -137,12 +146,14 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
 
     size = scale * (shape.high - shape.low)[:2]
     lines: list[Line] = []
-    labels: list[Label] = []
     ends = [[put(at[None])[0] for at in _across(cut, shape)] for cut in cuts]
+    edges = [put(shape.vertices[path]) for path in (*shape.outlines, *shape.creases)]
+    labels = region_labels(shape, put(shape.vertices), [*edges, *map(np.array, ends)])
+    labels += support_heights(shape, put(shape.vertices), labels)
 
     def room(at: FloatArray) -> float:
         """Return the distance from section lines and from other heights, less half their width [mm]."""
-        others = [float(np.linalg.norm(own.place - at)) - 0.5 * letters(own.text) for own in labels]
+        others = [float(np.linalg.norm(own.place - at)) - 0.5 * letters(own.text, own.height) for own in labels]
         return min([*others, *(_distance(at, start, end) for start, end in ends)], default=np.inf)
 
     for level in shape.levels(interval):
@@ -210,7 +221,8 @@ def section(shape: Shape, scale: float, cut: Cut) -> View:
             keep = -(line - np.append(cut.start, 0.0)) @ eye > 0
             parts = [line[run[0] : run[-1] + 1] for run in _runs(keep) if len(run) > 1]
             lines += [("BEYOND", seen) for part in parts for seen in _visible(part, shape.vertices, hidden_by, along, eye)]
-    return _upright(f"Section {cut.letter}-{cut.letter}", shape, scale, along, lines)
+    held = shape.held_points[behind[shape.held_points] >= -SUPPORT_TOLERANCE * float(np.ptp(behind))]
+    return _upright(f"Section {cut.letter}-{cut.letter}", shape, scale, along, lines, held)
 
 
 def elevation(shape: Shape, scale: float, name: str, towards: FloatArray) -> View:
@@ -238,7 +250,9 @@ def elevation(shape: Shape, scale: float, name: str, towards: FloatArray) -> Vie
     ]
     for layer, line in paths:
         lines += [(layer, seen) for seen in _visible(line, shape.vertices, shape.faces, along, eye)]
-    return _upright(f"{name} elevation", shape, scale, along, lines)
+    axes = np.stack([along, UP, eye])
+    seen = in_sight(shape.vertices[shape.held_points] @ axes.T, shape.vertices @ axes.T, shape.faces)
+    return _upright(f"{name} elevation", shape, scale, along, lines, shape.held_points[seen])
 
 
 def _visible(line: FloatArray, vertices: FloatArray, faces: IntArray, along: FloatArray, eye: FloatArray) -> list[FloatArray]:
@@ -250,8 +264,8 @@ def _visible(line: FloatArray, vertices: FloatArray, faces: IntArray, along: Flo
     return [fine[run[0] : run[-1] + 2] for run in _runs(seen)]
 
 
-def _upright(name: str, shape: Shape, scale: float, along: FloatArray, drawn: Sequence[tuple[str, FloatArray]]) -> View:
-    """Return a section or elevation with the ground line, supports, and the heights of the lowest and highest points."""
+def _upright(name: str, shape: Shape, scale: float, along: FloatArray, drawn: Sequence[tuple[str, FloatArray]], held: IntArray) -> View:
+    """Return a section or elevation with the ground line, some of the single supports, and the lowest and highest heights."""
     every = shape.vertices[np.unique(shape.faces)] @ along
     low = np.array([every.min(), shape.low[2]])
     size = scale * np.array([np.ptp(every), shape.high[2] - shape.low[2]])
@@ -262,7 +276,7 @@ def _upright(name: str, shape: Shape, scale: float, along: FloatArray, drawn: Se
     lines = [Line(layer, put(points)) for layer, points in drawn]
     labels = []
     foot = 0.5 * SUPPORT_SIZE * np.array([[0.0, 0.0], [1, -1.6], [-1, -1.6]])
-    lines += [Line("SUPPORT", at + foot, closed=True) for at in put(shape.vertices[shape.held_points])]
+    lines += [Line("SUPPORT", at + foot, closed=True) for at in put(shape.vertices[held])]
     for height in sorted({shape.low[2], shape.high[2]}):
         level = scale * (height - shape.low[2]) + PADDING[0, 1]
         lines.append(Line("GROUND", np.array([[PADDING[0, 0] - 3.0, level], [PADDING[0, 0] + size[0] + 3.0, level]])))
