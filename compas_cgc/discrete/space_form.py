@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
+from ..errors import FINER
+from ..errors import Sentence
 from . import _kernels
 from . import _space_form
 from .areas import vertex_areas
@@ -120,10 +122,11 @@ class SpaceFormEquations(CurvatureEquations):
         if face is None:
             return ""
         a, b, c = self.faces[face].tolist()
-        return (
+        text = (
             f"the face {a}-{b}-{c} is too large for a mould of its K̄: the radius of its circumcircle is not smaller than that of the "
             "mould; refine the mesh there"
         )
+        return Sentence(text, [FINER])
 
 
 def exact_equations(equations: CurvatureEquations, measure: str) -> CurvatureEquations:

@@ -10,5 +10,17 @@ from .classes import ProblemError
 from .names import did_you_mean as did_you_mean
 from .names import find_attribute as find_attribute
 from .names import nearest_name as nearest_name
+from .sentence import COARSER as COARSER
+from .sentence import FINER as FINER
+from .sentence import FOUND as FOUND
+from .sentence import HALF as HALF
+from .sentence import HALVED as HALVED
+from .sentence import Remedy as Remedy
+from .sentence import Sentence as Sentence
+from .sentence import joined as joined
+from .sentence import more_steps as more_steps
+from .sentence import scaled as scaled
+from .sentence import sentence_of as sentence_of
+from .sentence import use_method as use_method
 
 __all__ = ["ArgumentError", "CGCError", "FileError", "MeshError", "ProblemError"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from .sentence import joined
+
 __all__ = ["ArgumentError", "CGCError", "FileError", "MeshError", "ProblemError"]
 
 
@@ -34,4 +36,4 @@ class ProblemError(CGCError):
 
     def __init__(self, problems: Sequence[str]):
         self.problems = list(problems)
-        super().__init__("; ".join(self.problems))
+        super().__init__(joined(self.problems))

@@ -20,6 +20,8 @@ from typing import NamedTuple
 from typing import Optional
 from typing import Protocol
 
+from ..errors import sentence_of
+
 __all__ = ["Channel", "connected", "outcome", "report", "run_tasks", "stop_wanted"]
 
 
@@ -69,7 +71,7 @@ def outcome(function: Callable, args: tuple, kwargs: dict) -> tuple[str, Any]:
     try:
         return "result", function(*args, **kwargs)
     except Exception as error:
-        return "error", (type(error).__name__, str(error), traceback.format_exc(), getattr(error, "status", None))
+        return "error", (type(error).__name__, sentence_of(error), traceback.format_exc(), getattr(error, "status", None))
 
 
 class _Pipe(NamedTuple):

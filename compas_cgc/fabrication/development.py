@@ -21,7 +21,9 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import Vertices
 from ..discrete.space_form import circumradii
+from ..errors import FINER
 from ..errors import CGCError
+from ..errors import Sentence
 from ..errors import names_what_was_meant
 from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
@@ -216,7 +218,7 @@ def lay_out(
     filled = circumradii(V, part, K, arc) if K > 0.0 else np.zeros(len(part))
     if (filled >= 1.0).any():
         a, b, c = part[np.argmax(filled)].tolist()
-        raise CGCError(f"face {a}-{b}-{c} is too large for a mould of K = {K:.4g}; refine the mesh there")
+        raise CGCError(Sentence(f"face {a}-{b}-{c} is too large for a mould of K = {K:.4g}; refine the mesh there", [FINER]))
     edges = _edges_of(V, part, seam)
     joined = _joined(part, edges, name)
     laid = lay(V, part, joined, K, arc)

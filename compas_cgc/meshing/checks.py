@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import cast
+
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
@@ -11,6 +14,8 @@ from ..discrete._memo import remembered
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import Remedy
+from ..errors import Sentence
 from ..errors import names_what_was_meant
 from .splitting import corner_fans
 
@@ -20,13 +25,15 @@ __all__ = ["Diagnostic", "listed", "mesh_problems"]
 _SPLIT = "give each part vertices of its own (read the file with manifold=True, or --manifold)"
 
 
-class Diagnostic(str):
+class Diagnostic(Sentence):
     """A sentence about a mesh.
 
     Attributes
     ----------
     fatal
         Whether a solve is refused because of it.
+    remedies
+        Changes of the problem that the sentence proposes.
     text
         The sentence.
 
@@ -38,8 +45,8 @@ class Diagnostic(str):
 
     fatal: bool
 
-    def __new__(cls, text: str, fatal: bool = True) -> Diagnostic:
-        diagnostic = super().__new__(cls, text)
+    def __new__(cls, text: str, fatal: bool = True, remedies: Iterable[Remedy] = ()) -> Diagnostic:
+        diagnostic = cast(Diagnostic, super().__new__(cls, text, remedies))
         diagnostic.fatal = fatal
         return diagnostic
 

@@ -16,7 +16,9 @@ from ..discrete import edge_faces
 from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import Sentence
 from ..errors import names_what_was_meant
+from ..errors import scaled
 from .checks import Diagnostic
 
 __all__ = ["Overload", "existence_problems", "overload", "plane_of", "too_much"]
@@ -42,7 +44,7 @@ def too_much(K: float, most: float) -> str:
     if K > 1e4 * most:
         # A factor of 1000 in length is a factor of 1e6 in K.
         return said + f"check the units: K is in 1/(model unit)², and {K:.4g} 1/m² is {1e-6 * K:.4g} 1/mm²"
-    return said + "lower the target, add creases, or free an edge"
+    return Sentence(said + "lower the target, add creases, or free an edge", [scaled(most / K)])
 
 
 def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: np.ndarray) -> Optional[Overload]:

@@ -16,6 +16,8 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.plan import flattened
 from ..errors import MeshError
+from ..errors import Remedy
+from ..errors import Sentence
 from .polyline import arc_lengths
 from .polyline import nearest_on_polyline
 
@@ -103,18 +105,16 @@ def mesh_from_outline(
     domain = shapely.Polygon(rings[0], rings[1:])
     extent = float(np.linalg.norm(np.ptp(rings[0], axis=0)))
     if edge_length > extent > 0.0:
-        raise MeshError(
-            f"the edge length {edge_length:g} is larger than the outline, whose size is {extent:.3g}; use a shorter edge, "
-            f"such as {extent / 20:.2g}, and check that the outline and the edge length have the same unit"
+        shorter = f"{extent / 20:.2g}"
+        raise _wrong_edge(
+            f"the edge length {edge_length:g} is larger than the outline, whose size is {extent:.3g}; use a shorter edge", shorter
         )
     if not domain.is_valid or domain.area < edge_length**2:
         raise MeshError(f"the outline and its holes do not enclose an area that can be meshed: {_fault(domain, outline, edge_length)}")
     expected = domain.area / (edge_length**2 * np.sqrt(3) / 2)
     if expected > MAX_VERTICES:
-        raise MeshError(
-            f"an edge length of {edge_length:g} would give {expected:.2g} vertices; use a longer edge, "
-            f"such as {np.sqrt(domain.area) / 20:.2g}, and check that the outline and the edge length have the same unit"
-        )
+        longer = f"{np.sqrt(domain.area) / 20:.2g}"
+        raise _wrong_edge(f"an edge length of {edge_length:g} would give {expected:.2g} vertices; use a longer edge", longer)
     given = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
     lines = [np.asarray(crease)[:, :2] for crease in creases]
     _refuse_grazing(domain, lines, edge_length)
@@ -252,6 +252,12 @@ def _on_one_side(curve: shapely.LineString, spots: NDArray[np.object_]) -> bool:
 
 def _is_length(value: object) -> bool:
     return isinstance(value, (int, float, np.number)) and 0.0 < float(value) < np.inf
+
+
+def _wrong_edge(fault: str, better: str) -> MeshError:
+    """Return the error of an edge length that does not fit the outline."""
+    text = f"{fault}, such as {better}, and check that the outline and the edge length have the same unit"
+    return MeshError(Sentence(text, [Remedy("edge_length", float(better))]))
 
 
 def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> str:

@@ -11,7 +11,10 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 from ..discrete.corners import corner_angles
+from ..errors import FINER
 from ..errors import ProblemError
+from ..errors import Remedy
+from ..errors import Sentence
 from ..errors import names_what_was_meant
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
@@ -110,9 +113,11 @@ def _role_problems(problem: CGCProblem, names: IntArray, sound: bool) -> list[Di
     if not (problem.roles == FIXED).any():
         if len(boundary_loops(problem.faces)):
             mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole boundary"
+            remedies = [Remedy("supports", "boundary")]
         else:
+            remedies = []
             mend = "the mesh is closed and has no boundary, so name the vertices: mesh.set_supports([...]), or points in the file"
-        problems.append(Diagnostic(f"the mesh has no supports; fix vertices ({mend})"))
+        problems.append(Diagnostic(f"the mesh has no supports; fix vertices ({mend})", remedies=remedies))
     lost = lost_edges(problem.faces, problem.creases)
     if lost.any():
         problems.append(lost_creases(names[problem.creases[lost]].tolist()))
@@ -120,7 +125,9 @@ def _role_problems(problem: CGCProblem, names: IntArray, sound: bool) -> list[Di
         # Refinement does not help where the triangles share no vertices.
         loose = len(problem.faces) > 1 and len(np.unique(problem.faces)) == problem.faces.size
         mend = "its faces share no vertices: weld it (mesh.weld())" if loose else "refine the mesh or free some supports or creases"
-        problems.append(Diagnostic(f"the mesh has no internal vertex at which K could be prescribed; {mend}"))
+        problems.append(
+            Diagnostic(f"the mesh has no internal vertex at which K could be prescribed; {mend}", remedies=[] if loose else [FINER])
+        )
     return problems
 
 
@@ -138,9 +145,9 @@ def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     problems = []
     if missing.any() and (missing == asked).all():
         text = "no target curvature is set; set one (mesh.set_target(K), or --target K)"
-        problems.append(
-            Diagnostic(f"{text}; K = {_gentle_target(problem):.1g} gives this mesh a gentle curvature, and K = 0 a developable surface")
-        )
+        gentle = f"{_gentle_target(problem):.1g}"
+        text += f"; K = {gentle} gives this mesh a gentle curvature, and K = 0 a developable surface"
+        problems.append(Diagnostic(text, remedies=[Remedy("targets", float(gentle))]))
     elif missing.any():
         text = "have no target curvature; set one for their region (mesh.set_target(K, region=r))"
         problems.append(Diagnostic(f"vertices {listed(names[missing])} {text}"))
@@ -178,13 +185,14 @@ def _unknown(problem: CGCProblem) -> np.ndarray:
 def _remarks(problem: CGCProblem) -> list[Diagnostic]:
     """Return warnings about probable mistakes: normals that point down, creases that end inside a region."""
     V, F, names = problem.vertices, problem.faces, problem.names.vertices
-    remarks = []
+    remarks: list[str] = []
     normals = face_normals(V, F)
     targets = problem.targets[problem.asked]
     if len(normals) and (normals[:, 2] < -0.5).all() and len(targets) and np.nanmin(targets, initial=np.inf) > 0:
-        remarks.append(
+        text = (
             "the normals point down, so the surface will hang below its supports; flip the faces (mesh.flip(), or --flip) to make it rise"
         )
+        remarks.append(Sentence(text, [Remedy("flip", True)]))
     ends, degree = np.unique(problem.creases, return_counts=True)
     loose = ends[(degree == 1) & np.isin(problem.roles[ends], (CREASE, INTERNAL))]
     loose = loose[~np.isin(loose, [v for loop in boundary_loops(F) for v in loop])]

@@ -10,6 +10,8 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.corners import corner_angles
+from ..errors import Remedy
+from ..errors import Sentence
 from ..meshing import boundary_loops
 from .problem import CGCProblem
 from .roles import FIXED
@@ -51,12 +53,13 @@ def twisted_edges(problem: CGCProblem) -> list[str]:
     places = [", ".join(f"{round(number, digits) + 0.0:g}" for number in problem.vertices[v, :2].tolist()) for v in (a, b)]
     asked = np.degrees(np.sqrt(-worst.target)) * worst.length
     fits = -((worst.twist / worst.length) ** 2) + 0.0
-    return [
+    text = (
         f"along the straight supported edge from vertex {names[a]} ({places[0]}) to {names[b]} ({places[1]}), length {worst.length:.3g}, "
         f"a surface of K = {worst.target:.3g} twists by {asked:.0f} degrees, but the supported edges at its ends require "
         f"{np.degrees(worst.twist):.0f} degrees: the surface will fold at its corners; free or bend one of these edges, or set K = "
         f"{fits:.3g} there"
-    ]
+    )
+    return [Sentence(text, [Remedy("targets", float(f"{fits:.3g}"))])]
 
 
 def _sides(problem: CGCProblem, loop: IntArray) -> list[_Side]:

@@ -20,11 +20,12 @@ from flask import g
 from flask import request
 from werkzeug.exceptions import HTTPException
 
+from ..errors import sentence_of
 from ..execution.pool import WorkerPool
 from ..execution.protocol import AnyExecutor
 from .api.designs import designs
 from .api.mesh_files import warm_up_io
-from .api.remedies import named
+from .api.remedies import remedies_in
 from .api.requests import READERS
 from .api.responses import respond
 from .api.routes import api
@@ -162,7 +163,7 @@ def _finish(response: Response) -> Response:
 
 
 def _refused(error: RequestError) -> Response:
-    return _error(str(error), error.status, error.headers)
+    return _error(sentence_of(error), error.status, error.headers)
 
 
 def _http_error(error: HTTPException) -> Response:
@@ -186,5 +187,5 @@ def _bug(error: Exception) -> Response:
 def _error(message: str, status: int, headers: Optional[dict] = None) -> Response:
     # Hops takes every path for that of a function.
     asks_for_function = request.method in ("GET", "HEAD") and not request.path.startswith("/api/")
-    more = {"remedies": found} if (found := named([message])) else {}
+    more = {"remedies": found} if (found := remedies_in([message])) else {}
     return respond(error_body(message, **more, **(no_function(message) if asks_for_function else {})), status, headers)

@@ -6,6 +6,7 @@ import math
 from typing import Callable
 from typing import Optional
 
+from ..errors import joined
 from ..linalg.work import Work
 from ..linalg.work import rights
 from ..model.problem import CGCProblem
@@ -57,4 +58,4 @@ class Allowance:
             self._left -= granted - max(0.0, work.left)
         if not work.spent or solution.status != "stalled":
             return solution
-        return solution._replace(message=solution.message + GIVEN_UP)
+        return solution._replace(message=joined([solution.message, GIVEN_UP], ""))

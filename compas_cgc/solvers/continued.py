@@ -7,6 +7,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..errors import joined
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
@@ -74,7 +75,7 @@ def solved_on(
         show_arrived(callback, solution.vertices)
     judged = solution.verdict or verdict(solution.with_found(drawn).with_vertices(solution.vertices), drawn.vertices)
     solution = finished(solution._replace(method=first.method, verdict=judged), drawn, first, settings, callback)
-    message = f"{solution.message}; by the method {solution.method}, on from the surface that was found before"
+    message = joined([solution.message, f"by the method {solution.method}, on from the surface that was found before"])
     return solution._replace(message=message) if solution.verdict is not None and solution.verdict.fair else None
 
 

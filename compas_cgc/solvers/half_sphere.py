@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import FOUND
+from ..errors import Remedy
+from ..errors import Sentence
+from ..errors import joined
 from ..model.goals.wholes import Rise
 from ..model.problem import CGCProblem
 from ..model.result import Solution
@@ -45,7 +49,7 @@ def rounder_than_half_a_sphere(problem: CGCProblem) -> str:
 def with_half_a_sphere(problem: CGCProblem, solution: Solution) -> Solution:
     """Return a solution that did not arrive with that sentence at its end."""
     said = rounder_than_half_a_sphere(problem) if solution.status in ("stalled", "diverged") else ""
-    return solution if not said or said in solution.message else solution._replace(message=f"{solution.message}; {said}")
+    return solution if not said or said in solution.message else solution._replace(message=joined([solution.message, said]))
 
 
 def cap_of_the_rise(problem: CGCProblem) -> str:
@@ -64,7 +68,8 @@ def cap_of_the_rise(problem: CGCProblem) -> str:
     cap = (2.0 * rise / (0.25 * width**2 + rise**2)) ** 2
     if 1.0 / OTHER < float(np.median(targets)) / cap < OTHER:
         return ""
-    return f"a cap that rises {rise:.4g} over the width of {width:.4g} has K = {cap:.2g}; ask for about that, or let K be found (unknown)"
+    text = f"a cap that rises {rise:.4g} over the width of {width:.4g} has K = {cap:.2g}; ask for about that, or let K be found (unknown)"
+    return Sentence(text, [Remedy("targets", float(f"{cap:.2g}")), FOUND])
 
 
 def _width(problem: CGCProblem) -> float:

@@ -10,7 +10,9 @@ from typing import Optional
 import numpy as np
 
 from ..errors import ProblemError
+from ..errors import Sentence
 from ..errors import names_what_was_meant
+from ..errors import scaled
 from ..linalg.work import Work
 from ..model.given import checked_number
 from ..model.problem import CGCProblem
@@ -194,7 +196,8 @@ def _found(largest: float, factor: float, beyond: Optional[float], several: bool
     more = "" if surely else " or more"
     least = f" (none was found for {beyond * (1.0 if several else largest):.4g})" if beyond is not None and beyond != 1.0 else ""
     where = " on a coarser mesh" if coarser else ""
-    return f"these supports carry {what}{more} with a fair surface{where}{least}{asked}"
+    text = f"these supports carry {what}{more} with a fair surface{where}{least}{asked}"
+    return Sentence(text, [scaled(factor)] if factor < 1.0 else [])
 
 
 def _none(tried: float) -> str:

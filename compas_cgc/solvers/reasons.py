@@ -7,7 +7,9 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.local_fits import local_fits
+from ..errors import COARSER
 from ..errors import ProblemError
+from ..errors import Sentence
 from ..linalg.work import Work
 from ..model.bulging import two_sided_supports
 from ..model.goals.binding import bind
@@ -34,11 +36,12 @@ SEARCH = 1.2e7  # right sides times unknowns that it may take on a coarser mesh,
 OWN, WITH_GOALS = 6000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
 SMALLEST = 800  # vertices, of which smaller meshes are taken to have as many
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
-NOTHING = "no fair surface was found over these supports with {}, not even for a small part of K̄; ask for less of {}"
+NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small part of K̄; ask for less of {}")
 
-LAYOUT = (
+LAYOUT = Sentence(
     "by steps from smaller targets these supports carry what is asked with a fair surface on a coarser mesh; "
-    "so mesh the drawing anew with fewer, even triangles, or draw it nearer to the surface"
+    "so mesh the drawing anew with fewer, even triangles, or draw it nearer to the surface",
+    [COARSER],
 )
 
 

@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 from typing import Optional
 
+from ..errors import Sentence
 from ..errors import did_you_mean
 from ..errors import names_what_was_meant
+from ..errors import use_method
 from .flow.method import METHOD as FLOW
 from .method import Method
 from .newton.method import METHOD as NEWTON
@@ -152,9 +154,8 @@ def settings_for(method: str = "auto", given: Optional[Mapping[str, Any]] = None
     for name in values:
         if name not in kind.options():
             own = owners(name)
-            raise ValueError(
-                f"{_door_name(name)} is a setting of {' and '.join(own)}, not of {method}; leave it out, or use the method {own[0]}"
-            )
+            text = f"{_door_name(name)} is a setting of {' and '.join(own)}, not of {method}; leave it out, or use the method {own[0]}"
+            raise ValueError(Sentence(text, [use_method(own[0])]))
     return kind(**values)
 
 

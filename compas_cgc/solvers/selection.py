@@ -13,6 +13,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.space_form import EXACT
+from ..errors import joined
 from ..model.goals.wholes import Unknown
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
@@ -95,7 +96,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         if even is not None:
             again = own.solved(posed.with_vertices(even), problem.with_vertices(even))
             if again.verdict is not None and again.verdict.fair:
-                solution, judged = again._replace(message=f"{again.message}; {EVENED}"), again.verdict
+                solution, judged = again._replace(message=joined([again.message, EVENED])), again.verdict
         tried.append((solution, choice))
         if judged is not None:
             if judged.fair:
@@ -149,7 +150,7 @@ def finished(
     between = _judged(between, problem, callback)
     if between.verdict is None or not between.verdict.fair:
         return solution
-    return between._replace(message=f"{between.message} between the creases of a surface that bends and folds least")
+    return between._replace(message=joined([between.message, "between the creases of a surface that bends and folds least"], " "))
 
 
 def _judged(solution: Solution, problem: CGCProblem, callback: Callback) -> Solution:
@@ -171,7 +172,8 @@ def _closed(problem: CGCProblem, found: Solution, settings: Settings, callback: 
     own = run_method(method, asked.with_vertices(found.vertices), settings=settings, options=options, callback=callback)
     judged = verdict(asked.with_vertices(own.vertices), problem.vertices)
     moved = float(np.linalg.norm(own.vertices - found.vertices, axis=1).max())
-    message = f"{own.message}; the last step to congruent triangles moved vertices by up to {moved:.3g}; before that: {found.message}"
+    step = f"the last step to congruent triangles moved vertices by up to {moved:.3g}; before that: "
+    message = joined([own.message, "; ", step, found.message], "")
     return own._replace(message=message, verdict=judged, targets=found.targets, laws=found.laws, branches=found.branches)
 
 
@@ -181,10 +183,7 @@ def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice
     before = list(dict.fromkeys(stopped))
     if any(said.status == "converged" for said, other in tried if other is not choice):
         before.append("what was found first is rough")
-    why = why.lstrip("; ")
     # What keeps a surface from being fair matters more than how well K is met on it.
     said = (why, solution.message) if solution.status == "converged" else (solution.message, why)
-    text = "; ".join([*filter(None, said), f"by the method {choice.method}, as {choice.reason}"])
-    if before:
-        text += f" ({', '.join(before)})"
-    return solution._replace(message=text)
+    method = f"by the method {choice.method}, as {choice.reason}" + (f" ({', '.join(before)})" if before else "")
+    return solution._replace(message=joined([*filter(None, said), method]))

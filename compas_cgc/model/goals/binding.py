@@ -14,6 +14,7 @@ from ...discrete import boundary_vertices
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import ProblemError
+from ...errors import Sentence
 from ...meshing import boundary_loops
 from ...meshing.in_outline import vertices_over
 from ..constraints import CROWN
@@ -53,6 +54,7 @@ __all__ = [
     "unknown_regions",
 ]
 
+NO_EDGE = Sentence("{}: the mesh has no free edge; name the vertices of an edge, or remove the goal")
 DIFFERENCE_STEP = 1e-5  # step of a difference quotient in the local frame
 
 
@@ -295,7 +297,7 @@ def _rings(problem: CGCProblem, goal: Level, name: str) -> list[PositionConstrai
         return [replace(goal, vertices=order[0].tolist(), points=points[order[0] if goal.points is None else order[1]])]
     runs = [np.sort(path[problem.roles[path] == FREE]) for path, _ in _free_edges(problem)]
     if not runs:
-        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or remove the goal"])
+        raise ProblemError([NO_EDGE.format(name)])
     return [replace(goal, vertices=path.tolist(), points=problem.vertices[path]) for path in runs]
 
 
@@ -306,7 +308,7 @@ def _sheets(problem: CGCProblem, goal: EdgeInPlan, name: str) -> list[PositionCo
     else:
         paths = [(np.asarray(goal.vertices, dtype=np.int64), goal.closed)]
     if isinstance(goal.vertices, str) and not paths:
-        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or remove the goal"])
+        raise ProblemError([NO_EDGE.format(name)])
     found: list[PositionConstraint] = []
     for path, closed in paths:
         line = problem.vertices[path] if goal.points is None else goal.points

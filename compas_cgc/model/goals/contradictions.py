@@ -9,6 +9,8 @@ import numpy as np
 from ...discrete import boundary_vertices
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
+from ...errors import Remedy
+from ...errors import Sentence
 from ..constraints import Constraint
 from ..constraints import Height
 from ..problem import CGCProblem
@@ -75,7 +77,7 @@ def _empty(problem: CGCProblem) -> Iterator[str]:
     count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
     for goal in problem.goals:
         if isinstance(goal, Unknown) and not isinstance(goal.regions, str) and not len(goal.regions):
-            yield f"{goal_name(goal)} names no region; name regions from 0 to {count - 1}, or 'all', or remove the goal"
+            yield Sentence("{} names no region; name regions from 0 to {}, or 'all', or remove the goal").format(goal_name(goal), count - 1)
         elif isinstance(goal, Clearance):
             where = goal.where
             if isinstance(where, (int, np.integer)):
@@ -85,7 +87,7 @@ def _empty(problem: CGCProblem) -> Iterator[str]:
                 yield f"{goal_name(goal)} lies outside the plan of the mesh; give a place under the mesh, in the units of the drawing"
         elif isinstance(goal, (Above, Below, NearPlane, EdgeInPlan, Level, Height)) and not isinstance(goal.vertices, str):
             if not len(goal.vertices):
-                yield f"{goal_name(goal)} names no vertices; name some, or remove the goal"
+                yield Sentence("{} names no vertices; name some, or remove the goal").format(goal_name(goal))
             elif isinstance(goal, EdgeInPlan) and goal.points is None and len(set(goal.vertices)) < 2:
                 yield f"{goal_name(goal)} names only one vertex; name two or more along an edge in their order, or 'free'"
 
@@ -147,7 +149,7 @@ def _pairs(problem: CGCProblem) -> Iterator[str]:
         else:
             continue
         if key in seen and abs(seen[key][0] - value) > RELATIVE_TOLERANCE * size:
-            yield f"{seen[key][1]} and {goal_name(goal)} contradict each other; remove one of them"
+            yield Sentence("{} and {} contradict each other; remove one of them").format(seen[key][1], goal_name(goal))
         seen[key] = (value, goal_name(goal))
 
 
@@ -161,14 +163,15 @@ def _held(problem: CGCProblem) -> Iterator[str]:
             if inside.min() < -rounding:
                 vertex = int(supports[np.argmin(inside)])
                 off = f"which lies {-inside.min():.3g} outside; widen the outline or free that vertex"
-                yield f"{goal_name(goal)} excludes the support at vertex {vertex}, {off}"
+                yield Sentence(f"{goal_name(goal)} excludes the support at vertex {vertex}, {off}", [Remedy("release", [vertex])])
         if isinstance(goal, Height) and not isinstance(goal.vertices, str):
             named = np.intersect1d(about(problem, goal), supports)
             off = np.abs(problem.vertices[named, 2] - goal.height)
             if off.max(initial=0.0) > rounding:
                 vertex = int(named[np.argmax(off)])
                 support = f"the height {problem.vertices[vertex, 2]:.4g} of the support at vertex {vertex}"
-                yield f"{goal_name(goal)} contradicts {support}; free that vertex, or remove it from the goal Height"
+                text = f"{goal_name(goal)} contradicts {support}; free that vertex, or remove it from the goal Height"
+                yield Sentence(text, [Remedy("release", [vertex])])
     for side in bind(problem).sides:
         at = side.candidates(problem.vertices)
         fixed = at[problem.roles[at] == FIXED]
@@ -178,7 +181,8 @@ def _held(problem: CGCProblem) -> Iterator[str]:
         if slack.min() < -rounding:
             vertex = int(fixed[np.argmin(slack)])
             by = f"{-slack.min():.3g}; free that vertex or remove the goal there"
-            yield f"{side.name} cannot be met at the support at vertex {vertex}, which violates it by {by}"
+            text = f"{side.name} cannot be met at the support at vertex {vertex}, which violates it by {by}"
+            yield Sentence(text, [Remedy("release", [vertex])])
 
 
 def _too_small(problem: CGCProblem) -> Iterator[str]:

@@ -11,6 +11,7 @@ import numpy as np
 from ...discrete import boundary_vertices
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...errors import Sentence
 from ..constraints import Constraint
 from ..constraints import Fixed
 from ..constraints import Height
@@ -37,7 +38,7 @@ __all__ = ["about", "height_clashes"]
 RELATIVE_TOLERANCE = 1e-9  # difference relative to the size of the mesh that counts as zero
 UPRIGHT_COSINE = 1e-12  # tolerance of 1 - cosine for a vertical normal
 VOLUME_TOLERANCE = 0.02  # part of the plan area that the boundary edges may cut off at corners of their line
-REMEDY = "remove one of them"
+CONTRADICTION = Sentence("{} and {} contradict each other{}; remove one of them")
 
 
 class _Range(NamedTuple):
@@ -81,7 +82,7 @@ def height_clashes(problem: CGCProblem) -> Iterator[str]:
     crossed = np.flatnonzero(heights.low > heights.high + rounding)
     if len(crossed):
         at = int(crossed[0])
-        yield f"{heights.name_of_low(at)} and {heights.name_of_high(at)} contradict each other at vertex {at}; {REMEDY}"
+        yield CONTRADICTION.format(heights.name_of_low(at), heights.name_of_high(at), f" at vertex {at}")
         return
     level = list(_level_edges(problem, heights, rounding))
     crown, bottom = _end(problem, 1.0), _end(problem, -1.0)
@@ -155,7 +156,7 @@ def _level_edges(problem: CGCProblem, heights: _Heights, rounding: float) -> Ite
         floor, ceiling = int(ring[np.argmax(heights.low[ring])]), int(ring[np.argmin(heights.high[ring])])
         if heights.low[floor] > heights.high[ceiling] + rounding:
             one, other = _source(problem, heights.source_low, heights, floor), _source(problem, heights.source_high, heights, ceiling)
-            yield f"{one} and {other} contradict each other on {goal_name(place)}, whose vertices have the same height; {REMEDY}"
+            yield CONTRADICTION.format(one, other, f" on {goal_name(place)}, whose vertices have the same height")
 
 
 def _source(problem: CGCProblem, says: IntArray, heights: _Heights, vertex: int) -> str:
@@ -183,11 +184,11 @@ def _of_crown(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], ro
     low = np.where(free, heights.low, -np.inf)
     top = int(np.argmax(low))
     if low[top] > crown.height + rounding:
-        yield f"{heights.name_of_low(top)} and {crown.name} contradict each other; {REMEDY}"
+        yield CONTRADICTION.format(heights.name_of_low(top), crown.name, "")
     highest = int(np.argmax(heights.high))
     if heights.high[highest] < crown.height - rounding:
         ceiling = int(np.argmax(np.where(free, heights.high, -np.inf)))
-        yield f"{_source(problem, heights.source_high, heights, ceiling)} and {crown.name} contradict each other; {REMEDY}"
+        yield CONTRADICTION.format(_source(problem, heights.source_high, heights, ceiling), crown.name, "")
     at = _support(problem, 1.0)
     if at is not None and problem.vertices[at, 2] > crown.height + rounding:
         yield f"{crown.name} lies below the support at vertex {at}, whose height is {problem.vertices[at, 2]:.4g}; increase it"
@@ -200,11 +201,11 @@ def _of_bottom(problem: CGCProblem, heights: _Heights, bottom: Optional[_Ends], 
     high = np.where(free, heights.high, np.inf)
     under = int(np.argmin(high))
     if high[under] < bottom.height - rounding:
-        yield f"{heights.name_of_high(under)} and {bottom.name} contradict each other; {REMEDY}"
+        yield CONTRADICTION.format(heights.name_of_high(under), bottom.name, "")
     lowest = int(np.argmin(heights.low))
     if heights.low[lowest] > bottom.height + rounding:
         floor = int(np.argmin(np.where(free, heights.low, np.inf)))
-        yield f"{_source(problem, heights.source_low, heights, floor)} and {bottom.name} contradict each other; {REMEDY}"
+        yield CONTRADICTION.format(_source(problem, heights.source_low, heights, floor), bottom.name, "")
     at = _support(problem, -1.0)
     if at is not None and problem.vertices[at, 2] < bottom.height - rounding:
         yield f"{bottom.name} lies above the support at vertex {at}, whose height is {problem.vertices[at, 2]:.4g}; lower it"
@@ -233,14 +234,14 @@ def _volumes(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], bot
         most = plan * (top.height - level)
         if goal.volume > most + VOLUME_TOLERANCE * abs(most):
             name = top.name or _source(problem, heights.source_high, heights, int(np.argmax(np.where(free, heights.high, -np.inf))))
-            yield f"{goal_name(goal)} and {name} contradict each other: that height allows at most {max(most, 0.0):.4g}; {REMEDY}"
+            yield CONTRADICTION.format(goal_name(goal), name, f": that height allows at most {max(most, 0.0):.4g}")
         floor = _Ends(float(heights.low[lowest]), "")
         if bottom is not None and bottom.height >= floor.height:
             floor = bottom
         least = plan * (floor.height - level)
         if goal.volume < least - VOLUME_TOLERANCE * abs(least):
             name = floor.name or _source(problem, heights.source_low, heights, int(np.argmin(np.where(free, heights.low, np.inf))))
-            yield f"{goal_name(goal)} and {name} contradict each other: that height needs at least {least:.4g}; {REMEDY}"
+            yield CONTRADICTION.format(goal_name(goal), name, f": that height needs at least {least:.4g}")
 
 
 def _held_plan(problem: CGCProblem) -> Optional[float]:
@@ -274,4 +275,4 @@ def _paths(problem: CGCProblem, heights: _Heights, rounding: float) -> Iterator[
             worst = int(np.argmax(climbs))
             ends = (known[worst], known[worst + 1])
             said = next((heights.names[heights.source_low[end]] for end in ends if heights.source_low[end] >= 0), "its supports")
-            yield f"{goal_name(goal)} and {said} contradict each other: its height differences add up to {climbs.sum():.4g}; {REMEDY}"
+            yield CONTRADICTION.format(goal_name(goal), said, f": its height differences add up to {climbs.sum():.4g}")

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.plan import flattened
+from ...errors import Sentence
 from ...meshing.in_outline import inside_outline
 from ..constraints import Constraint
 from ..constraints import unit
@@ -37,7 +38,7 @@ def plan_clashes(problem: CGCProblem) -> Iterator[str]:
     for one, other in combinations(goals, 2):
         said = _apart(problem, one, other, RELATIVE_TOLERANCE * size)
         if said is not None:
-            yield f"{goal_name(one)} and {goal_name(other)} contradict each other{said}"
+            yield Sentence("{} and {} contradict each other{}").format(goal_name(one), goal_name(other), said)
 
 
 def _apart(problem: CGCProblem, one: Constraint, other: Constraint, rounding: float) -> Optional[str]:

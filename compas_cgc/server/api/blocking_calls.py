@@ -10,6 +10,7 @@ from typing import Callable
 from flask import current_app
 from flask import request
 
+from ...errors import sentence_of
 from ...execution.future import LimitExceeded
 from ...execution.future import TaskError
 from ...execution.future import TaskStopped
@@ -84,6 +85,6 @@ def _waited(run: Callable, function: Callable, hint: str) -> Any:
 
 def _refused(error: TaskError) -> RequestError:
     # A separate frame avoids a reference cycle between error and frame, which would keep the request in memory.
-    failure = RequestError(str(error))
+    failure = RequestError(sentence_of(error))
     failure.status = error.status or failure.status
     return failure

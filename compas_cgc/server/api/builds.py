@@ -15,6 +15,7 @@ from typing import Any
 from typing import Union
 
 from ...errors import CGCError
+from ...errors import sentence_of
 from ...execution.worker import report
 from ...fabrication.plain_data import build_data
 from ...fabrication.tasks import TASKS
@@ -78,7 +79,7 @@ def _read(task: str, given: Mapping[str, Any]) -> dict[str, Any]:
     try:
         return read_settings(task, given) if task in TASKS else read_options(SEARCHES[task].options, given)
     except CGCError as error:
-        raise Unprocessable(str(error)) from None
+        raise Unprocessable(sentence_of(error)) from None
 
 
 def built(task: str, problem: CGCProblem, given: Mapping[str, Any], notes: list[str]) -> tuple[str, bytes]:

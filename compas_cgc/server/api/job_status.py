@@ -6,7 +6,6 @@ import time
 from typing import Optional
 
 from ..jobs.store import Job
-from .remedies import named
 
 __all__ = ["status"]
 
@@ -30,7 +29,7 @@ def status(job: Job, position: Optional[int] = None) -> dict:
         "elapsed": None if job.started is None else (job.finished or time.time()) - job.started,
         "created": job.created,
         "message": job.message,
-        "remedies": named([job.message]) if job.state == "failed" and job.message else [],
+        "remedies": job.progress.get("remedies", []),
         "has_result": job.size is not None,
     }
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import CGCError
+from ...errors import sentence_of
 from ...fabrication.tasks import TASKS
 from ...fabrication.tasks import build
 from ...fabrication.tasks import read_settings
@@ -37,7 +38,7 @@ def read_mould_options(query: Mapping[str, str]) -> dict[str, Any]:
     try:
         return read_settings("mould", {name: text for name, text in query.items() if name != "format"})
     except CGCError as error:
-        raise Unprocessable(str(error)) from None
+        raise Unprocessable(sentence_of(error)) from None
 
 
 def moulds_of(content: bytes, options: dict[str, Any], kind: str) -> bytes:
@@ -52,7 +53,7 @@ def moulds_of(content: bytes, options: dict[str, Any], kind: str) -> bytes:
     try:
         report = build("mould", problem, options)
     except CGCError as error:
-        raise Unprocessable(str(error)) from None
+        raise Unprocessable(sentence_of(error)) from None
     if kind == "json":
         return json.dumps({**report.to_dict(), "text": str(report)}, ensure_ascii=False, allow_nan=False).encode("utf-8")
     from ...io.rhino import write_moulds

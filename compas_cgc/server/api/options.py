@@ -9,6 +9,8 @@ from typing import Optional
 
 import numpy as np
 
+from ...errors import joined
+from ...errors import sentence_of
 from ...meshing.boundary import SUPPORT_NAMES
 from ...meshing.checks import listed
 from ...model.constraint_data import as_goals
@@ -112,7 +114,7 @@ def settings_of(options: Mapping[str, Any], limits: Limits) -> Optional[Settings
     try:
         settings = settings_for(method, given) if given else None
     except ValueError as error:
-        raise Unprocessable(f"settings: {error}") from None
+        raise Unprocessable(joined(["settings", sentence_of(error)], ": ")) from None
     steps = getattr(settings, "steps", None)
     if steps is not None and steps > limits.steps:
         raise Unprocessable(f"the setting steps is {steps}, but the server allows at most {limits.steps} steps")
@@ -225,7 +227,7 @@ def _check_goals(value: object, method: str, count: Optional[int]) -> None:
     except OverflowError:
         raise Unprocessable("a constraint refers to a vertex that does not exist") from None
     except ValueError as error:
-        raise Unprocessable(str(error)) from None
+        raise Unprocessable(sentence_of(error)) from None
     # The number of goals is checked with the mesh.
     if method != "auto" and not METHODS[method].takes(goals):
         able = " or ".join(own.name for own in METHODS.values() if own.takes(goals))

@@ -25,6 +25,7 @@ from ..limits import Limits
 from .builds import SOLVE
 from .builds import built
 from .last_surface import gone_on
+from .remedies import remedies_in
 from .remedies import remedies_of
 from .requests import READERS
 from .requests import SOLVED_READERS
@@ -111,7 +112,7 @@ def solve_job(kind: str, options: dict, body: bytes, limits: Limits, readers: Ma
         request = readers[kind](options, body, limits)
         result = run_request(request)
     except (RequestError, ValueError) as error:
-        return JobOutput(in_request_words(error))
+        return _refused(error)
     return JobOutput(result.message, pack_result(result, _report(request, result)), result.status == "cancelled", _figures(result))
 
 
@@ -124,8 +125,14 @@ def _build_job(kind: str, options: dict, body: bytes, limits: Limits) -> JobOutp
         request = readers[kind](rest, body, limits)
         message, content = built(task, request.problem, options.get("settings") or {}, list(request.notes))
     except (RequestError, ValueError) as error:
-        return JobOutput(in_request_words(error))
+        return _refused(error)
     return JobOutput(message, content)
+
+
+def _refused(error: Exception) -> JobOutput:
+    """Return the output of a task that was refused, with the remedies of the refusal."""
+    said = in_request_words(error)
+    return JobOutput(said, figures={"remedies": remedies_in([said])})
 
 
 def _figures(result: SolveResult) -> dict:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from ...errors import Sentence
+from ...errors import sentence_of
+
 __all__ = ["in_request_words"]
 
 WORDS = (
@@ -14,9 +17,10 @@ WORDS = (
 )
 
 
-def in_request_words(sentence: object) -> str:
-    """Return a message with fields of a request instead of calls of Python functions."""
-    text = str(sentence)
+def in_request_words(sentence: object) -> Sentence:
+    """Return a message, or that of an error, with fields of a request instead of calls of Python functions; its remedies are kept."""
+    said = sentence_of(sentence) if isinstance(sentence, BaseException) else sentence
+    text = str(said)
     for call, field in WORDS:
         text = text.replace(call, field)
-    return text
+    return Sentence(text, getattr(said, "remedies", ()))

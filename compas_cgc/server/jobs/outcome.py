@@ -24,7 +24,7 @@ class Outcome(NamedTuple):
     state: str  # succeeded, failed or cancelled
     message: str  # one sentence
     content: Optional[bytes] = None  # the packed result
-    figures: Optional[dict] = None  # residuals of the last step
+    figures: Optional[dict] = None  # residuals of the last step, or the remedies of a refusal
 
 
 def outcome_of(task: Future) -> Outcome:

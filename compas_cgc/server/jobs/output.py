@@ -14,4 +14,4 @@ class JobOutput(NamedTuple):
     message: str  # one sentence
     content: Optional[bytes] = None  # the packed result, None if there is none
     stopped: bool = False  # whether it ended early on request
-    figures: Optional[dict] = None  # residuals of its last step
+    figures: Optional[dict] = None  # residuals of its last step, or the remedies of its refusal

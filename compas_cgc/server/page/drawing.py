@@ -13,7 +13,9 @@ from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
 from ...discrete.plan import flattened
+from ...errors import COARSER
 from ...errors import CGCError
+from ...errors import Sentence
 from ...meshing.outline import mesh_from_outline
 from ...meshing.polyline import nearest_on_polyline
 from ...model.problem import CGCProblem
@@ -79,9 +81,8 @@ def read_sketch(value: object, limits: Limits) -> Sketch:
     # The mesh has half a vertex per equilateral triangle. Dividing twice avoids the underflow of a small squared length.
     count = _area(sketch.outline) / 0.866 / edge_length / edge_length
     if not count < limits.vertices:
-        raise TooLarge(
-            f"the mesh would have about {count:.2g} vertices; the server accepts at most {limits.vertices}; increase the edge length"
-        )
+        text = f"the mesh would have about {count:.2g} vertices; the server accepts at most {limits.vertices}; increase the edge length"
+        raise TooLarge(Sentence(text, [COARSER]))
     return sketch
 
 

@@ -23,7 +23,7 @@ from ...model.roles import CREASE
 from ...model.roles import ROLES
 from ..api.decoding import check_size
 from ..api.mesh_files import read_upload
-from ..api.remedies import named
+from ..api.remedies import remedies_in
 from ..api.units import UNITS
 from ..api.wording import in_request_words
 from ..errors import Unprocessable
@@ -138,7 +138,7 @@ def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
         "vertex_targets": _of_vertices(problem) if None in targets else None,
         **({"laws": laws} if laws else {}),
         "notes": notes,
-        "problems": [{"text": in_request_words(said), "fatal": said.fatal, "remedies": named([said])} for said in check(problem)],
+        "problems": [{"text": in_request_words(said), "fatal": said.fatal, "remedies": remedies_in([said])} for said in check(problem)],
     }
 
 

@@ -12,7 +12,11 @@ from ...discrete import mean_curvature
 from ...discrete.arrays import FloatArray
 from ...discrete.evaluation import Measure
 from ...discrete.evaluation import Measurement
+from ...errors import HALVED
+from ...errors import Sentence
+from ...errors import more_steps
 from ...errors import names_what_was_meant
+from ...errors import use_method
 from ...linalg.work import count
 from ...linalg.work import rights
 from ...model.frame import Frame
@@ -198,10 +202,11 @@ def _message(status: str, step: int, error: float, goal: float, problem: CGCProb
     if status == "step_limit":
         if goal == 0:
             return f"took the {step} steps asked for: {reached}"
-        return f"not converged in {step} steps: {reached}, asked for {goal:.3g}; allow more steps, or raise filter_radius"
+        text = f"not converged in {step} steps: {reached}, asked for {goal:.3g}; allow more steps, or raise filter_radius"
+        return Sentence(text, [more_steps(step)])
     if radius == 0:
         return f"diverged at step {step} without a filter: short waves grow; set filter_radius to a few edge lengths"
-    sphere = rounder_than_half_a_sphere(problem)
+    remedies, sphere = [HALVED], rounder_than_half_a_sphere(problem)
     cause = (
         f"the target is more than the boundary can carry: {sphere}"
         if sphere
@@ -211,5 +216,5 @@ def _message(status: str, step: int, error: float, goal: float, problem: CGCProb
         )
     )
     if (problem.targets[problem.asked] < 0).any():
-        cause = "the flow is unstable where K̄ < 0; use another method there"
-    return f"diverged at step {step}: {cause}; the best shape before that is returned, {reached}"
+        cause, remedies = "the flow is unstable where K̄ < 0; use another method there", [use_method("auto")]
+    return Sentence(f"diverged at step {step}: {cause}; the best shape before that is returned, {reached}", remedies)

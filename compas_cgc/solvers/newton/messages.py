@@ -7,6 +7,10 @@ from typing import Union
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
+from ...errors import HALVED
+from ...errors import Sentence
+from ...errors import more_steps
+from ...errors import use_method
 from ...meshing.existence import Overload
 from ...meshing.existence import too_much
 from ...model.frame import Frame
@@ -55,26 +59,31 @@ def message(
     if status == "cancelled":
         return f"cancelled after {taken}: {reached}"
     if status == "step_limit":
-        return f"not converged in {taken}: {reached}; allow more steps"
+        return Sentence(f"not converged in {taken}: {reached}; allow more steps", [more_steps(steps)])
     if isinstance(cause, Overload):
         return too_much(cause.curvature / frame.scale**2, cause.most / frame.scale**2)
     why = cause if status == "infeasible" else _advice(cause, system)
-    return f"{status} after {taken}: {why}; the best shape on the way is returned, {reached}"
+    return Sentence("{} after {}: {}; the best shape on the way is returned, {}").format(status, taken, why, reached)
 
 
 def _advice(cause: str, system: System) -> str:
     if (system.targets < 0).any():
-        return "K̄ < 0 somewhere, where K along the normals alone cannot be solved for; use method 'projection', with some edge free"
+        text = "K̄ < 0 somewhere, where K along the normals alone cannot be solved for; use method 'projection', with some edge free"
+        return Sentence(text, [use_method("projection")])
     if cause == "singular":
         loose = _held_nowhere(system)
         if loose >= 0:
             return f"the part of the mesh around vertex {loose} is held nowhere; fix some of its vertices"
-        return "the equations have no solution near this shape; try a smaller K̄, or a start without flat or folded faces"
+        return Sentence(
+            "the equations have no solution near this shape; try a smaller K̄, or a start without flat or folded faces", [HALVED]
+        )
     if (system.targets == 0).any():
-        return "regions of K̄ = 0 need a start that is bent already, or creases around them; else use method 'projection'"
+        text = "regions of K̄ = 0 need a start that is bent already, or creases around them; else use method 'projection'"
+        return Sentence(text, [use_method("projection")])
     if cause == "start":
         return "this start is too far from the target; start from a better shape, or let the solve find its own"
-    return "the target is probably more than this boundary can carry; try a smaller K̄, or a boundary without inward corners"
+    text = "the target is probably more than this boundary can carry; try a smaller K̄, or a boundary without inward corners"
+    return Sentence(text, [HALVED])
 
 
 def _held_nowhere(system: System) -> int:

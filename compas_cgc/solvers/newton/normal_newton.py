@@ -11,7 +11,9 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
+from ...errors import Sentence
 from ...errors import names_what_was_meant
+from ...errors import use_method
 from ...model.frame import Frame
 from ...model.goals.binding import Equation
 from ...model.goals.binding import bind
@@ -167,12 +169,12 @@ def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equati
         return None
     refuse_impossible(posed)
     if measure not in ("auto", "defect"):
-        raise ProblemError([f"the method newton finds K in the measure defect, not {measure}; leave it out, or use the method projection"])
+        text = f"the method newton finds K in the measure defect, not {measure}; leave it out, or use the method projection"
+        raise ProblemError([Sentence(text, [use_method("projection")])])
     goals = bind(local, posed.goals)
     if not held_by_newton(posed):
-        raise ProblemError(
-            ["the method newton takes one goal of the whole surface for one unknown K over fixed edges; use the method projection"]
-        )
+        text = "the method newton takes one goal of the whole surface for one unknown K over fixed edges; use the method projection"
+        raise ProblemError([Sentence(text, [use_method("projection")])])
     return goals.equations[0]
 
 

@@ -13,6 +13,9 @@ from ...discrete import face_areas
 from ...discrete import face_normals
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
+from ...errors import Sentence
+from ...errors import joined
+from ...errors import use_method
 from ...model.goals.binding import Equation
 from ...model.goals.binding import equations_for_constants
 from ...model.goals.binding import finds_constants
@@ -84,7 +87,7 @@ def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = Non
     refuse_impossible(problem)
     if not finds_constants(problem):
         kinds = "heights and goals of the whole surface alone, at most one for each region of unknown K, whose initial guess is drawn"
-        raise ProblemError([f"the method bending takes {kinds}; use the method projection, or auto"])
+        raise ProblemError([Sentence(f"the method bending takes {kinds}; use the method projection, or auto", [use_method("projection")])])
     return _Seeker(problem, settings, callback).run()
 
 
@@ -112,7 +115,7 @@ class _Seeker:
         for _ in range(MOST):
             if np.abs(here.missing).max() <= NEAR:
                 here = self._landed(here)
-                return self._ended(here, "converged", f"{self._found(here)}, to meet {self._names()}; {here.solution.message}")
+                return self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", here.solution.message]))
             after = self._stepped(here)
             if after is None:
                 return self._ended(here, "infeasible", self._unreachable(here))

@@ -16,7 +16,11 @@ import numpy as np
 from ...discrete import energy
 from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
+from ...errors import HALVED
 from ...errors import ProblemError
+from ...errors import Sentence
+from ...errors import joined
+from ...errors import more_steps
 from ...errors import names_what_was_meant
 from ...linalg.work import is_spent
 from ...linalg.work import until_spent
@@ -146,7 +150,7 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
         if solution is None:
             break
         if evenness and settings.evenness is None:
-            solution = solution._replace(message=f"{solution.message}; {EVENLY.format(evenness)}")
+            solution = solution._replace(message=joined([solution.message, EVENLY.format(evenness)]))
         found.append(_Found(solution, evenness))
         if solution.status == "cancelled" or (solution.verdict is not None and solution.verdict.fair):
             return found[-1]
@@ -401,5 +405,6 @@ def _message(status: str, steps: int, errors: list[tuple[Law, float]], branches:
     if status == "cancelled":
         return f"cancelled after {steps} steps: {reached}"
     if status == "step_limit":
-        return f"not converged in {steps} steps: {reached}; allow more steps"
-    return f"stalled: no surface with this curvature was found over these supports; choose a smaller curvature, or free an edge; {reached}"
+        return Sentence(f"not converged in {steps} steps: {reached}; allow more steps", [more_steps(steps)])
+    text = "no surface with this curvature was found over these supports; choose a smaller curvature, or free an edge"
+    return Sentence(f"stalled: {text}; {reached}", [HALVED])

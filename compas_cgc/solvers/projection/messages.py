@@ -8,6 +8,10 @@ from scipy.sparse.csgraph import connected_components
 
 from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
+from ...errors import FOUND
+from ...errors import HALVED
+from ...errors import Sentence
+from ...errors import more_steps
 from ...model.checks import no_saddle
 from ...model.checks import three_faced
 from ...model.constraints import Height
@@ -31,8 +35,8 @@ def message(status: str, steps: int, error: float, start_error: float, goal: flo
     if error > start_error:
         reached += f", more than the {start_error:.3g} of the start"
     if status == "step_limit":
-        return f"not converged in {steps} steps: {reached}, asked for {goal:.3g}; allow more steps"
-    return f"{status}: {why}; the best shape is returned, {reached}"
+        return Sentence(f"not converged in {steps} steps: {reached}, asked for {goal:.3g}; allow more steps", [more_steps(steps)])
+    return Sentence("{}: {}; the best shape is returned, {}").format(status, why, reached)
 
 
 def laid_out_anew(drawn: Faces, faces: Faces, moved: float) -> str:
@@ -68,8 +72,11 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
         return "the faces are not mirrored as the vertices are, so K is asked twice over; turn their diagonals, or take the mirror away"
     names = [*(own.name for own in system.goals.equations), *(side.name for side in system.goals.sides)]
     if names:
-        return f"the supports may not allow this curvature together with {listed(names)}; ask for other values, or choose another K̄"
-    return "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start"
+        text = f"the supports may not allow this curvature together with {listed(names)}; ask for other values, or choose another K̄"
+        return Sentence(text, [HALVED])
+    return Sentence(
+        "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start", [HALVED]
+    )
 
 
 def _astray(vertex: int, system: System) -> str:
@@ -78,9 +85,10 @@ def _astray(vertex: int, system: System) -> str:
     # Their numbers are in the local frame, which is nobody's.
     names = list(dict.fromkeys("the height of vertices" if isinstance(goal, Height) else goal_name(goal) for goal in own))
     if len(own) == 1:
-        return f"vertex {vertex} cannot fulfil its constraints: {names[0]} is out of its reach; move that, or take it away"
-    there = f": {listed(names)} contradict each other there" if len(names) > 1 else ""
-    return f"vertex {vertex} cannot fulfil its constraints{there}; take one of them away"
+        text = Sentence("vertex {} cannot fulfil its constraints: {} is out of its reach; move that, or take it away")
+        return text.format(vertex, names[0])
+    there = Sentence(": {} contradict each other there").format(listed(names)) if len(names) > 1 else ""
+    return Sentence("vertex {} cannot fulfil its constraints{}; take one of them away").format(vertex, there)
 
 
 def blamed(point: Point, system: System) -> str:
@@ -93,8 +101,9 @@ def blamed(point: Point, system: System) -> str:
     if not unmet:
         return ""
     if len(unmet) > 1:
-        return f"{listed(unmet)} cannot be met together here; take one of them away, or ask for another value of one"
-    return f"{unmet[0]} cannot be met with this curvature and these supports; ask for another value, or let K be found (unknown)"
+        return Sentence("{} cannot be met together here; take one of them away, or ask for another value of one").format(listed(unmet))
+    text = f"{unmet[0]} cannot be met with this curvature and these supports; ask for another value, or let K be found (unknown)"
+    return Sentence(text, [FOUND])
 
 
 def found(targets: list[float], regions: list[int], goals: int) -> str:

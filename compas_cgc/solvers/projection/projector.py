@@ -19,7 +19,10 @@ from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...errors import MeshError
 from ...errors import ProblemError
+from ...errors import Sentence
+from ...errors import joined
 from ...errors import names_what_was_meant
+from ...errors import use_method
 from ...linalg.work import until_spent
 from ...model.goals.binding import bind
 from ...model.goals.binding import unknown_regions
@@ -106,9 +109,8 @@ class Projector:
             raise MeshError("the mesh has no faces")
         self.settings = settings or ProjectionSettings()
         if self.settings.measure in EXACT and unknown_regions(problem):
-            raise ProblemError(
-                [f"the method projection finds no K in the measure {self.settings.measure}; use the method auto, which finds K first"]
-            )
+            text = f"the method projection finds no K in the measure {self.settings.measure}; use the method auto, which finds K first"
+            raise ProblemError([Sentence(text, [use_method("auto")])])
         self.problem = guessed(problem)
         drawn, self._frame = self.problem.local()
         self._local = as_meant(drawn)
@@ -415,7 +417,7 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
         return solution
     had = limit(problem, solution, lambda other, start: Projector(other, settings=settings).solve(None, start, callback=callback))
     if had is not None and had.solution is not None:
-        return had.solution._replace(message=f"{had.solution.message}; {LED}")
+        return had.solution._replace(message=joined([had.solution.message, LED]))
     if had is None or solution.status == "converged":
         return solution
-    return solution._replace(status="infeasible", message=f"infeasible{solution.message[7:]}; {had.words}")
+    return solution._replace(status="infeasible", message=joined(["infeasible", solution.message[7:], "; ", had.words], ""))

@@ -114,16 +114,18 @@ def test_columns_stay_when_other_supports_are_chosen(board):
         wait_for(lambda count=count: len(heights()) == count and "2" in heights(), what=f"the column is gone with {choice}")
 
 
-def test_the_first_solve_keeps_a_view_that_somebody_chose(server, tmp_path):
+@pytest.mark.parametrize("chosen", [False, True], ids=["as it opens", "chosen"])
+def test_the_first_solve_keeps_the_view(server, tmp_path, chosen):
     with open_hands("chromium", tmp_path) as hands:
         hands.open(f"{server.url}/#new")
         hands.seen(".example")
         hands.read(SCENE)
         hands.click("[data-example=example2]")
         hands.seen("#solve")
-        hands.drag("#canvas", 60, 20)
-        wait_for(lambda: hands.read("return window.scene.chosen"), what="a drag does not turn the view")
-        hands.drag("#canvas", 30, 0)
+        if chosen:
+            hands.drag("#canvas", 60, 20)
+            wait_for(lambda: hands.read("return window.scene.chosen"), what="a drag does not turn the view")
+            hands.drag("#canvas", 30, 0)
         view = hands.read("return window.scene.view")
         hands.solve()
         assert hands.read("return window.scene.view") == pytest.approx(view, abs=1e-9)

@@ -134,6 +134,18 @@ export class Scene {
     this.draw();
   }
 
+  /** @returns {boolean} whether every point of the surface, or of that which it moves to, is in the picture */
+  get whole() {
+    const xyz = this.goal ?? this.surface.xyz;
+    const point = new THREE.Vector3();
+    this.camera.updateMatrixWorld();
+    for (let k = 0; k < xyz.length; k += 3) {
+      const { x, y } = point.fromArray(xyz, k).project(this.camera);
+      if (Math.max(Math.abs(x), Math.abs(y)) > 1) return false;
+    }
+    return true;
+  }
+
   /** @returns {number[]} position of the camera and its target, in units of the scene */
   get view() {
     return [...this.camera.position.toArray(), ...this.controls.target.toArray()];

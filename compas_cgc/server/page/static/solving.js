@@ -222,7 +222,7 @@ export class Solving {
     crown.show(model, result.xyz, settings.supports);
     crown.on = true;
     this.studio.mark(result.report.verdict?.places ?? []);
-    if (!before && !scene.chosen) scene.fit();
+    if (!before && !scene.chosen && !scene.whole) scene.fit();
     scene.flush();
     this.verdict.show(result, model);
     this.remedy(result.report.remedies);
