@@ -56,5 +56,6 @@ def small_pictures(monkeypatch):
     from compas_cgc.plot import studio_light
 
     monkeypatch.setitem(inspect.unwrap(studio_light.studio).__kwdefaults__, "width", 200)
+    monkeypatch.setattr("compas_cgc.cli.solve.PICTURE_WIDTH", 200)
     for name, few in (("SKIES", 2), ("SUNS", 1), ("SHADOW_PIXELS", 20)):
         monkeypatch.setattr(studio_light, name, few)

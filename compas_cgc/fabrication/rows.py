@@ -131,11 +131,13 @@ def _best(outline: Any, box: Box, room: tuple[float, float], spacing: float, sho
     axes = [np.cos(turn) * box.along + np.sin(turn) * np.array([-box.along[1], box.along[0]]) for turn in turns]
     tried: list[_Tried] = []
     parts = 0
-    for direction, offset, fill in itertools.product(axes, OFFSETS, FILLS):
+    for (direction, offset), fill in itertools.product(itertools.product(axes, OFFSETS), FILLS):
         if parts > MAX_PARTS:
             break
         rows = _Rows(direction, offset, fill)
-        cells = _cells(outline, rows, room)
+        if fill == FILLS[0]:
+            bands = _bands(outline, rows, room)
+        cells = _cells(bands, rows, room)
         tried.append(_Tried(rows, cells, _sheets(cells.sizes, room, spacing)))
         parts += len(cells.sizes)
     tried.sort(key=_Tried.key)
@@ -164,22 +166,32 @@ def _parts(extent: float, full: float) -> int:
     return max(1, int(np.ceil(extent / full - 1e-12)))
 
 
-def _cells(outline: Any, rows: _Rows, room: tuple[float, float]) -> _Cells:
-    """Return the parts of an outline between the joints of rows."""
+def _bands(outline: Any, rows: _Rows, room: tuple[float, float]) -> NDArray[Any]:
+    """Return the parts of an outline between the boundaries of rows, in the axes of the rows; their fill plays no part."""
     import shapely
 
     turned = shapely.transform(outline, lambda points: points @ rows.frame)
     left, low, right, high = turned.bounds
-    # Rounding to a grid makes the boundaries of neighbours coincide.
-    grid = SLACK * SLACK * room[1]
     levels = rows.levels(low, high, room[1])
-    bands = _polygons(shapely.intersection(turned, shapely.box(left - 1.0, levels[:-1], right + 1.0, levels[1:]), grid_size=grid), room)
+    boxes = shapely.box(left - 1.0, levels[:-1], right + 1.0, levels[1:])
+    return _polygons(shapely.intersection(turned, boxes, grid_size=_grid(room)), room)
+
+
+def _grid(room: tuple[float, float]) -> float:
+    """Return the grid to which coordinates are rounded, so that the boundaries of neighbours coincide [L]."""
+    return SLACK * SLACK * room[1]
+
+
+def _cells(bands: NDArray[Any], rows: _Rows, room: tuple[float, float]) -> _Cells:
+    """Return the parts of the bands of rows between their joints."""
+    import shapely
+
     ends = shapely.bounds(bands)
     joints = [rows.lengths(a, b, room[0]) for a, b in ends[:, [0, 2]].tolist()]
     band = np.repeat(np.arange(len(bands)), [len(own) - 1 for own in joints])
     start, end = (np.concatenate([own[cut] for own in joints]) for cut in (slice(None, -1), slice(1, None)))
     shapes = _polygons(
-        shapely.intersection(bands[band], shapely.box(start, ends[band, 1] - 1.0, end, ends[band, 3] + 1.0), grid_size=grid), room
+        shapely.intersection(bands[band], shapely.box(start, ends[band, 1] - 1.0, end, ends[band, 3] + 1.0), grid_size=_grid(room)), room
     )
     boxes = shapely.bounds(shapes)
     return _Cells(shapes, [(float(x), float(y)) for x, y in np.minimum(boxes[:, 2:] - boxes[:, :2], room)])

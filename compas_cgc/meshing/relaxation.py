@@ -21,6 +21,9 @@ ROUNDS = 3
 SPRING = 1.15  # natural length of an edge relative to the mean of the size field
 RATE = 0.2
 MIN_ANGLE = np.radians(24.0)  # least angle after a valence flip
+TURNS = np.arange(8) * np.pi / 4
+# Steps (24, 2) of the search for a better place of a point, relative to the nearest point.
+SEARCH = np.concatenate([0.3 * share * np.column_stack([np.cos(TURNS), np.sin(TURNS)]) for share in (1.0, 0.5, 0.25)])
 
 Sizes = Callable[[FloatArray], FloatArray]
 
@@ -62,9 +65,13 @@ def relaxed(plan: FloatArray, faces: IntArray, held: Mask, kept: IntArray, sizes
 
 def plane_angles(plan: FloatArray, faces: IntArray) -> FloatArray:
     """Return the angles (m, 3) of triangles [rad]."""
-    corners = plan[faces]
-    a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2))
+    return _angles(plan[faces])
+
+
+def _angles(corners: FloatArray) -> FloatArray:
+    """Return the angles (..., 3) of triangles by their corners (..., 3, 2) [rad]."""
+    a, b = corners[..., (1, 2, 0), :] - corners, corners[..., (2, 0, 1), :] - corners
+    return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
 
 
 def _pushed(plan: FloatArray, faces: IntArray, held: Mask, sizes: Sizes) -> tuple[FloatArray, float]:
@@ -107,14 +114,18 @@ def _rounded(plan: FloatArray, faces: IntArray, held: Mask) -> FloatArray:
         moved = False
         for i in poor[~held[poor]].tolist():
             own = faces[around[i]]
-            best, at = plane_angles(plan, own).min(), plan[i].copy()
-            reach = 0.3 * np.linalg.norm(plan[own[own != i]] - at, axis=1).min()
-            for share in (1.0, 0.5, 0.25):
-                for turn in np.arange(8) * np.pi / 4:
-                    plan[i] = at + share * reach * np.array([np.cos(turn), np.sin(turn)])
-                    found = plane_angles(plan, own).min()
-                    if found > best + 1e-6:
-                        best, at, moved = found, plan[i].copy(), True
+            corners, is_own = plan[own], own == i
+            best, at = _angles(corners).min(), plan[i]
+            steps = SEARCH * np.linalg.norm(corners[~is_own] - at, axis=1).min()
+            while len(steps):
+                # The first place that is better is the centre of the rest of the search.
+                places = at + steps
+                tried = np.where(is_own[..., None], places[:, None, None], corners)
+                smallest = _angles(tried).min(axis=(1, 2))
+                first = int(np.argmax(smallest > best + 1e-6))
+                if not smallest[first] > best + 1e-6:
+                    break
+                best, at, moved, steps = smallest[first], places[first], True, steps[first + 1 :]
             plan[i] = at
         if not moved:
             break

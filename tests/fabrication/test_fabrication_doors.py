@@ -47,27 +47,32 @@ def files(tmp_path_factory):
     return folder
 
 
-def test_commands_write_what_python_gives(files, tmp_path, capsys):
-    assert (
-        main(["unroll", str(files / "cone.3dm"), "-o", str(tmp_path / "cut.svg"), "-o", str(tmp_path / "cut.csv"), "--sheet", "3x1.5"]) == 0
-    )
-    assert unroll(CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (3.0, 1.5)).summary() in capsys.readouterr().out
+@pytest.fixture(scope="module")
+def patterns():
+    """The cone on sheets of 6 m by 3 m, as Python gives it."""
+    return unroll(CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (6.0, 3.0))
+
+
+def test_commands_write_what_python_gives(files, patterns, tmp_path, capsys):
+    cut = ["-o", str(tmp_path / "cut.svg"), "-o", str(tmp_path / "cut.csv")]
+    assert main(["unroll", str(files / "cone.3dm"), *cut, "--sheet", "6x3"]) == 0
+    assert patterns.summary() in capsys.readouterr().out
     assert main(["membrane", str(files / "dome.3dm"), "-o", str(tmp_path / "forces.inp"), "--pressure", "2"]) == 0
     assert "equilibrium to" in capsys.readouterr().out
     assert main(["net", str(files / "saddle.3dm"), "-o", str(tmp_path / "net.json"), "--spacing", "1"]) == 0
     assert "asymptotic curves" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == {"cut.svg", "cut.csv", "forces.inp", "net.json"}
-    assert main(["unroll", str(files / "cone.3dm"), "-o", str(tmp_path / "quiet.svg"), "-q"]) == 0
+    assert main(["unroll", str(files / "cone.3dm"), "-o", str(tmp_path / "quiet.svg"), "--sheet", "9x9", "-q"]) == 0
     assert not any(capsys.readouterr()) and (tmp_path / "quiet.svg").exists()
 
 
 def test_the_command_line_has_every_option_of_sheets(files, tmp_path, capsys):
     pytest.importorskip("shapely")
-    words = ["unroll", str(files / "cone.3dm"), "--sheet", "3x1.5", "--margin", ".02", "--spacing", ".03", "--allowance", ".04"]
+    words = ["unroll", str(files / "cone.3dm"), "--sheet", "6x3", "--margin", ".02", "--spacing", ".03", "--allowance", ".04"]
     out = ["-o", str(tmp_path / "cut.svg"), "-o", str(tmp_path / "cut.list.csv"), "-o", str(tmp_path / "cut.plan.svg"), "--per-sheet"]
     assert main([*words, *out]) == 0
     made = unroll(
-        CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (3.0, 1.5), margin=0.02, spacing=0.03, allowance=0.04
+        CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (6.0, 3.0), margin=0.02, spacing=0.03, allowance=0.04
     )
     said = capsys.readouterr().out
     assert made.summary() in said and "free: 30 mm between pieces, 20 mm along edges, 40 mm around pieces" in said
@@ -142,11 +147,10 @@ def solved(shape, K) -> CGCMesh:
 
 
 @pytest.mark.usefixtures("rhino")
-def test_the_component_unroll(tmp_path):
+def test_the_component_unroll(patterns, tmp_path):
     mesh = solved(cone(6, 24), 0.0)
     path = tmp_path / "cut.dxf"
-    out = place("Unroll").settle(cgc_mesh=mesh, length=3.0, width=1.5, path=str(path), write=True)
-    patterns = unroll(mesh, (3.0, 1.5))
+    out = place("Unroll").settle(cgc_mesh=mesh, length=6.0, width=3.0, path=str(path), write=True)
     assert out["labels"] == [piece.label for piece in patterns.pieces]
     assert len(out["pieces"]) == len(out["places"]) == len(patterns.pieces) == len(out["outlines"])
     assert out["report"] == patterns.summary() and path.exists() and out["allowances"] == []
@@ -158,8 +162,8 @@ def test_the_component_unroll_leaves_margins_and_allowances_free(tmp_path):
     pytest.importorskip("shapely")
     mesh = solved(cone(6, 24), 0.0)
     given = {"margin": 0.02, "allowance": 0.03, "spacing": 0.0}
-    out = place("Unroll").settle(cgc_mesh=mesh, length=3.0, width=1.5, **given, path=str(tmp_path / "cut.dxf"), write=True, per_sheet=True)
-    patterns = unroll(mesh, (3.0, 1.5), **given)
+    out = place("Unroll").settle(cgc_mesh=mesh, length=6.0, width=3.0, **given, path=str(tmp_path / "cut.dxf"), write=True, per_sheet=True)
+    patterns = unroll(mesh, (6.0, 3.0), **given)
     assert out["report"] == patterns.summary() and len(out["allowances"]) == len(out["outlines"]) == len(patterns.pieces)
     assert len(list(tmp_path.iterdir())) == patterns.sheets > 1
 

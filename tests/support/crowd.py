@@ -112,7 +112,7 @@ def told(what, seconds):
 
 
 def main():
-    with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite", KEY, workers=2) as server:
+    with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite", KEY, workers=2, reserved=3) as server:
         statuses = []
         told("health, nothing else", health_beside(server.address, lambda: time.sleep(0.1), 10.0))
         told(f"health beside {len(BODY) / 1e6:.0f} MB of JSON", health_beside(server.address, lambda: statuses.append(flooded(server))))

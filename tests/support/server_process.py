@@ -51,17 +51,20 @@ class Running:
 
 
 @contextmanager
-def running_server(store, key=None, workers=2, port=0, limits=None, **more):
-    """Run ``compas-cgc serve``, or with limits of its own the function behind that."""
+def running_server(store, key=None, workers=2, port=0, limits=None, reserved=1, **more):
+    """Run ``compas-cgc serve``, or with limits of its own the function behind that.
+
+    Fewer workers are reserved for blocking calls than by default, as each takes seconds to start.
+    """
     if limits is None:
         # On a busy machine the first call of a worker, which compiles, may take longer than clients wait elsewhere.
         configuration = Path(store).with_suffix(".toml")
-        configuration.write_text(f"[limits]\nblocking = {PATIENCE}\n", encoding="utf-8")
+        configuration.write_text(f"[limits]\nblocking = {PATIENCE}\nreserved = {reserved}\n", encoding="utf-8")
         command = ["-m", "compas_cgc", "serve", "--port", str(port), "--workers", str(workers), "--store", str(store)]
         command += ["--config", str(configuration)]
         command += ["--key", key] if key else []
     else:
-        asked = {"port": port, "key": key, "workers": workers, "store": str(store), "limits": limits, **more}
+        asked = {"port": port, "key": key, "workers": workers, "store": str(store), "limits": {"reserved": reserved, **limits}, **more}
         command = ["-c", WITH_LIMITS, json.dumps(asked)]
     process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     said, url = [], None

@@ -155,6 +155,7 @@ def fitting():
 
 
 SMALL = {"width": 40, "oversampling": 1}  # pixels of pictures
+COARSE = {"compas_cgc.fabrication.plane_quads": {"spacing": 3.0}}  # for fewer faces
 
 
 def parameters_of(value) -> list:
@@ -165,11 +166,11 @@ def parameters_of(value) -> list:
     return [each for each in found if each.kind not in (each.VAR_POSITIONAL, each.VAR_KEYWORD) and each.name not in SKIPPED]
 
 
-def calls_of(value, fitting) -> typing.Iterator[tuple[str, dict]]:
+def calls_of(name, value, fitting) -> typing.Iterator[tuple[str, dict]]:
     """Yield calls with one wrong argument each, under a description."""
     own = parameters_of(value)
     needed = {each.name: fitting.get(each.name) for each in own if each.default is each.empty}
-    needed.update({each.name: SMALL[each.name] for each in own if each.name in SMALL})
+    needed.update({each.name: SMALL[each.name] for each in own if each.name in SMALL}, **COARSE.get(name, {}))
     for each in own:
         for kind, wrong in WRONG.items():
             yield f"{each.name} = {kind}", {**needed, each.name: wrong}
@@ -196,7 +197,7 @@ def test_wrong_arguments_get_a_sentence(fitting, small_pictures, tmp_path, monke
     found = {
         f"{name}: {what}": repr(error)
         for name, value in SWEPT.items()
-        for what, arguments in calls_of(value, fitting)
+        for what, arguments in calls_of(name, value, fitting)
         if (error := refused(value, arguments)) is not None
     }
     assert found == {}

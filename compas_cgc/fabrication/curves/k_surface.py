@@ -309,7 +309,7 @@ def _integrated(
         i = i0
         while 0 <= i + s < n:
             bend = -s * (angle[i + s, j0] - angle[i, j0]) / du
-            points[i + s, j0] = points[i, j0] + _carried(frames[i, j0], bend, twist, s * du, frames[i + s, j0])
+            _carry(frames[i, j0], points[i, j0], bend, twist, s * du, frames[i + s, j0], points[i + s, j0])
             i += s
     for i in range(n):
         turned = frames[i, j0].copy()
@@ -320,24 +320,32 @@ def _integrated(
             j = j0
             while 0 <= j + s < m:
                 bend = s * (angle[i, j + s] - angle[i, j]) / dv
-                points[i, j + s] = points[i, j] + _carried(frames[i, j], bend, -twist, s * dv, frames[i, j + s])
+                _carry(frames[i, j], points[i, j], bend, -twist, s * dv, frames[i, j + s], points[i, j + s])
                 j += s
     return points, angle
 
 
 @njit(cache=True)
-def _carried(frame: FloatArray, bend: float, twist: float, step: float, out: FloatArray) -> FloatArray:
-    """Carry a frame along a helix of given curvature and torsion, and return its chord (3,)."""
-    axis = twist * frame[0] + bend * frame[2]
-    speed = np.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
-    k = axis / speed
+def _carry(frame: FloatArray, point: FloatArray, bend: float, twist: float, step: float, frame_out: FloatArray, out: FloatArray) -> None:
+    """Carry a frame and its point along a helix of given curvature and torsion."""
+    # Numbers instead of short arrays, each of which would be allocated.
+    kx, ky, kz = (
+        twist * frame[0, 0] + bend * frame[2, 0],
+        twist * frame[0, 1] + bend * frame[2, 1],
+        twist * frame[0, 2] + bend * frame[2, 2],
+    )
+    speed = np.sqrt(kx**2 + ky**2 + kz**2)
+    kx, ky, kz = kx / speed, ky / speed, kz / speed
     turn = speed * step
-    chord = np.empty(3)
+    c, s = np.cos(turn), np.sin(turn)
     for row in range(3):
-        x = frame[row]
-        cross = np.array([k[1] * x[2] - k[2] * x[1], k[2] * x[0] - k[0] * x[2], k[0] * x[1] - k[1] * x[0]])
-        along = (k[0] * x[0] + k[1] * x[1] + k[2] * x[2]) * k
-        out[row] = x * np.cos(turn) + cross * np.sin(turn) + along * (1.0 - np.cos(turn))
+        x, y, z = frame[row, 0], frame[row, 1], frame[row, 2]
+        u, v, w = ky * z - kz * y, kz * x - kx * z, kx * y - ky * x
+        along = kx * x + ky * y + kz * z
+        frame_out[row, 0] = x * c + u * s + along * kx * (1.0 - c)
+        frame_out[row, 1] = y * c + v * s + along * ky * (1.0 - c)
+        frame_out[row, 2] = z * c + w * s + along * kz * (1.0 - c)
         if row == 0:
-            chord = (x * np.sin(turn) + cross * (1.0 - np.cos(turn)) + along * (turn - np.sin(turn))) / speed
-    return chord
+            out[0] = point[0] + (x * s + u * (1.0 - c) + along * kx * (turn - s)) / speed
+            out[1] = point[1] + (y * s + v * (1.0 - c) + along * ky * (turn - s)) / speed
+            out[2] = point[2] + (z * s + w * (1.0 - c) + along * kz * (turn - s)) / speed
