@@ -34,7 +34,7 @@ from .shapes import grid
 
 SIZES = (6, 12, 20, 31)
 OVER = ("succeeded", "failed", "cancelled")
-LIMITS = {"grace": 60.0}  # on a busy machine too, no worker is ended by force that would end by itself
+LIMITS = {"reserved": 3, "grace": 60.0}  # on a busy machine too, no worker is ended by force that would end by itself
 
 
 def hops_body(n, K, name="dome", **more):
@@ -319,7 +319,7 @@ def main():
 
 def soak(clients, seconds, workers=2):
     """Let many clients at a server for a while; return what they met, and its memory over time."""
-    with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite", workers=workers, reserved=3, limits=LIMITS) as server:
+    with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite", workers=workers, limits=LIMITS) as server:
         known = known_answers(server)
         print(f"{len(known)} answers known; {clients} clients for {seconds:g} seconds", flush=True)
         tally, end = Tally(), time.monotonic() + seconds
