@@ -13,7 +13,10 @@ from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
 from .drawing import clearance
+from .drawing import inside
+from .drawing import overlap
 from .drawing import roomiest
+from .drawing import text_box
 from .figures import in_mm
 from .legend import with_legend
 from .patterns import Patterns
@@ -22,10 +25,12 @@ from .sheet_drawing import MARK_LENGTH
 
 __all__ = ["courses", "draw_plan", "neighbours", "numbered_courses"]
 
+SEAM_PLACES = (0.2, 0.8, 0.35, 0.65, 0.1, 0.9, 0.5)  # along a seam, where its number is tried, away from names in the middle of pieces
+SEAM_TEXT = 0.15  # height of the number of a seam, relative to its length in plan
 MEANINGS = {
     "OUTLINE": "edges of the pieces",
     "LABEL": "name of the piece, and in brackets its course: 1 for pieces on supports, 2 for their neighbours, and so on",
-    "SEAM": "number of the seam, as on the sheets",
+    "SEAM": "number of the seam, as on the sheets, beside it",
 }
 
 
@@ -118,16 +123,19 @@ def draw_plan(patterns: Patterns) -> Drawing:
     for number, (piece, course) in enumerate(zip(patterns.pieces, courses(patterns))):
         loops = [plan[loop.nodes] for loop in piece.loops]
         lines += [Line("OUTLINE", loop, True) for loop in loops]
-        place, room = roomiest(plan[own.faces[own.piece == number]].mean(axis=1), loops)
+        # Pieces in upright position have no area in plan.
+        places = inside(loops)
+        place, room = roomiest(places if len(places) else plan[own.faces[own.piece == number]].mean(axis=1), loops)
         name = f"{piece.label} ({course})"
         texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER_WIDTH * len(name))))))
+    boxes = [text_box(own.text, own.place, own.height) for own in texts]
     for seam in patterns.seams:
-        along = plan[seam.nodes]
-        length = np.linalg.norm(np.diff(along, axis=0), axis=1)
-        edge = int(np.argmax(length))
-        ahead = (along[edge + 1] - along[edge]) / max(length[edge], np.finfo(float).tiny)
-        aside, text, small = np.array([-ahead[1], ahead[0]]), str(seam.number), float(min(0.5 * height, 0.5 * length[edge]))
-        texts.append(Text("SEAM", text, 0.5 * (along[edge] + along[edge + 1]) + clearance(text, small, aside) * aside, small))
+        length = float(np.linalg.norm(np.diff(plan[seam.nodes], axis=0), axis=1).sum())
+        text, small = str(seam.number), min(0.4 * height, SEAM_TEXT * length)
+        places = _beside(plan[seam.nodes], text, small)
+        place = next((own for own in places if not any(overlap(text_box(text, own, small), box) for box in boxes)), places[0])
+        texts.append(Text("SEAM", text, place, small))
+        boxes.append(text_box(text, place, small))
     title = f"plan of {len(patterns.pieces)} pieces with courses from the supports in brackets, and seam numbers"
     texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
     units = patterns.problem.drawing.units
@@ -137,3 +145,16 @@ def draw_plan(patterns: Patterns) -> Drawing:
         "pieces lie on their sheets turned; the numbers of seams show how",
     ]
     return with_legend(Drawing(lines, texts, size, units), MEANINGS, notes, 0.75 * height)
+
+
+def _beside(path: FloatArray, text: str, size: float) -> list[FloatArray]:
+    """Return the places (2,) beside a path (k, 2) at which its text is tried, in order [L]."""
+    at = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))]
+    found = []
+    for station in at[-1] * np.array(SEAM_PLACES):
+        edge = min(int(np.searchsorted(at, station, side="right")), len(path) - 1) - 1
+        ahead = (path[edge + 1] - path[edge]) / max(at[edge + 1] - at[edge], np.finfo(float).tiny)
+        foot = path[edge] + (station - at[edge]) * ahead
+        aside = np.array([-ahead[1], ahead[0]])
+        found += [foot + side * clearance(text, size, aside) * aside for side in (1.0, -1.0)]
+    return found

@@ -11,7 +11,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from .figures import metres
 
-__all__ = ["LAYERS", "LETTER_WIDTH", "Drawing", "Line", "Text", "clearance", "roomiest"]
+__all__ = ["LAYERS", "LETTER_WIDTH", "Drawing", "Line", "Text", "clearance", "inside", "overlap", "roomiest", "text_box"]
 
 # Layers with their RGB colours.
 LAYERS = {
@@ -29,6 +29,8 @@ LAYERS = {
     "LEGEND": (30, 30, 30),
 }
 LETTER_WIDTH = 0.8  # relative to its height
+MAX_PLACES = 200  # points that are compared
+GRID = 14  # points along the larger side of an outline at which labels are tried
 ROOM_RATIO = 0.9  # accepted room for a label, relative to the largest
 
 
@@ -68,8 +70,8 @@ class Drawing(NamedTuple):
 
 
 def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArray, float]:
-    """Return the best face centre for a label, far from outlines and near the middle, and its distance from outlines [L]."""
-    centres = centres[:: max(1, len(centres) // 200)]
+    """Return the best of some points (p, 2) for a label, far from outlines and near the middle, and its distance from outlines [L]."""
+    centres = centres[:: max(1, len(centres) // MAX_PLACES)]
     start = np.concatenate(loops)
     end = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
     along = end - start
@@ -79,6 +81,34 @@ def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArr
     off = np.linalg.norm(centres - 0.5 * (start.min(axis=0) + start.max(axis=0)), axis=1)
     best = int(np.argmin(np.where(away >= ROOM_RATIO * away.max(), off, np.inf)))
     return centres[best], float(away[best])
+
+
+def inside(loops: Sequence[FloatArray]) -> FloatArray:
+    """Return points of a square grid inside closed loops (k, 2), by the even-odd rule (p, 2) [L]; none if they enclose no area."""
+    start = np.concatenate(loops)
+    end = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+    low, high = start.min(axis=0), start.max(axis=0)
+    step = float((high - low).max()) / GRID
+    if not step > 0.0:
+        return np.empty((0, 2))
+    x, y = (np.arange(0.5, np.ceil(side / step)) * step for side in high - low)
+    points = low + np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    rise = end[:, 1] - start[:, 1]
+    spans = (start[:, 1] <= points[:, 1:]) != (end[:, 1] <= points[:, 1:])
+    share = (points[:, 1:] - start[:, 1]) / np.where(rise == 0.0, 1.0, rise)
+    right = start[:, 0] + share * (end[:, 0] - start[:, 0]) > points[:, :1]
+    return points[(spans & right).sum(axis=1) % 2 == 1]
+
+
+def text_box(text: str, place: FloatArray, size: float) -> FloatArray:
+    """Return the lower left and upper right corner of a text centred at a place (2, 2) [L]."""
+    half = 0.5 * size * np.array([LETTER_WIDTH * len(text), 1.0])
+    return np.array([place - half, place + half])
+
+
+def overlap(box: FloatArray, other: FloatArray) -> bool:
+    """Check whether two boxes (2, 2) overlap."""
+    return bool((box[0] < other[1]).all() and (other[0] < box[1]).all())
 
 
 def clearance(text: str, size: float, direction: FloatArray) -> float:

@@ -7,12 +7,19 @@ from typing import Optional
 
 from .materials import METRES
 
-__all__ = ["in_mm", "in_square_metres", "metres"]
+__all__ = ["in_mm", "in_square_metres", "metres", "unit_symbol"]
+
+SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
 
 
 def metres(units: Optional[str]) -> float:
     """Return the length of the unit of a drawing [m]; a drawing without units is in metres."""
     return METRES.get(units or "Meters", 1.0)
+
+
+def unit_symbol(units: Optional[str]) -> str:
+    """Return the symbol of the unit of a drawing, such as ``mm``; a drawing without units is in metres."""
+    return SYMBOLS.get(units or "Meters", units or "m")
 
 
 def in_mm(lengths: Sequence[float], units: Optional[str]) -> str:

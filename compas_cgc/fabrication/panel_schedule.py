@@ -12,6 +12,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
+from .mould_report import SHORT_SEAM
 from .mould_report import MouldReport
 from .mould_report import PanelFit
 from .pieces import best_box
@@ -39,6 +40,11 @@ _HEAD = (
     "stress on 95 % in MPa",
     "part of strength in %",
     "corners in mm",
+    "remarks",
+)
+STRESS_WITHOUT_LIMIT = (
+    "the curvature of the roof is unbounded here, at a point support, a corner of a held edge or a straight held edge (K > 0): the largest "
+    "stress grows as the mesh is refined; judge by the stress on 95 % of the area and reinforce the support"
 )
 NOTES = (
     "lengths in mm, in position, seen from outside, the side to which the normals point; sides are counterclockwise from corner 1",
@@ -78,6 +84,13 @@ class PanelSheet(NamedTuple):
     rise: float  # distance between the lowest and the highest point over the mean plane [mm]
     area: float  # [m^2]
     used: float  # stress of bending on 95 % of the area, relative to the strength of the material
+
+    @property
+    def remarks(self) -> list[str]:
+        """Sentences on a largest stress without a limit, and on short seams."""
+        found = [STRESS_WITHOUT_LIMIT] if self.fit.singular and self.fit.stress is not None else []
+        short = [side for side in self.sides if side.neighbour != EDGE and side.length < 1e3 * SHORT_SEAM]
+        return found + [f"short seam with {side.neighbour}: {side.length:.1f} mm" for side in short]
 
 
 def panel_sheets(problem: CGCProblem, report: MouldReport) -> list[PanelSheet]:
@@ -191,4 +204,5 @@ def _row(own: PanelSheet) -> tuple:
         "" if own.fit.stress_95 is None else f"{own.fit.stress_95:.1f}",
         "" if own.fit.stress is None else f"{100.0 * own.used:.0f}",
         " ".join(f"({x:.1f}, {y:.1f}, {z:.1f})" for x, y, z in np.round(own.corners, 1) + 0.0),
+        "; ".join(own.remarks),
     )

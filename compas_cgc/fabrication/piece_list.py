@@ -12,6 +12,7 @@ from .figures import in_square_metres
 from .figures import metres
 from .patterns import Patterns
 from .patterns import refuse_others
+from .piece_bending import pieces_in_position
 from .piece_checks import at_sheet_edge
 from .piece_checks import contours
 from .piece_checks import sharpest_corner
@@ -32,6 +33,9 @@ _HEAD = (
     "neighbours",
     "course",
     "mould",
+    "strain in %",
+    "seam difference in mm",
+    "at seam",
     "sharpest corner in degrees",
     "on edge of sheet",
     "least bending radius in mm",
@@ -45,7 +49,13 @@ NOTES = (
     "length, width and perimeter: of the contour that is cut; length and width are those of the rectangle around it on the sheet",
     "course: suggested order of assembly, 1 for pieces on supports, 2 for their neighbours, and so on",
     "on edge of sheet: a side of the piece lies on the edge of its sheet and is not trimmed",
-    "bends: away from the viewer who sees the piece from outside, or towards; least bending radius: the smallest across rulings",
+    "bends: away from the viewer who sees the piece from outside, or towards, or both; least bending radius: in position, across rulings "
+    "for K = 0, otherwise the smaller principal radius, on 95 % of the area of the piece",
+    "mould: surface of constant K on which a piece with K other than 0 is pressed before it is bent to its place",
+    "strain: largest stretch or compression of pressing; seam difference: largest difference in length between the two flat sides of one "
+    "of its seams, and the number of this seam; the table of edges has all lengths",
+    "piece: a letter for the region (A for 0) and a number, or the name of a panel if joints of panels were given; only then are pieces "
+    "the panels of the mould report",
     "sharpest corner: between two sides of the outline, before kerf and allowance",
 )
 
@@ -69,9 +79,10 @@ def cut_list(patterns: Patterns) -> list[tuple]:
     list of tuple
         Number of the sheet, from 1; name and region of the piece; area without allowance [m2], three decimals; length and width
         of the bounding rectangle, and the cutting length with holes [mm], one decimal; number of folds; names of neighbours;
-        course from the supports; mould, empty if K = 0; sharpest corner [degree]; ``yes`` if a contour lies on the edge of the sheet;
-        least radius of bending across the rulings [mm], and whether the piece bends away from its outside, towards it or both, empty
-        without rulings; material and thickness of the sheets [mm], empty if not given.
+        course from the supports; mould, empty if K = 0; largest strain [%]; largest difference between the sides of a seam [mm], and its
+        number; sharpest corner [degree]; ``yes`` if a contour lies on the edge of the sheet; least radius of bending in position [mm],
+        and whether the piece bends away from its outside, towards it or both, empty if K = 0 without rulings; material and thickness of
+        the sheets [mm], empty if not given.
 
     Examples
     --------
@@ -87,6 +98,7 @@ def cut_list(patterns: Patterns) -> list[tuple]:
     # Both faces of an edge count its fold.
     folds = np.bincount(own.piece, folded(patterns).sum(axis=1), len(patterns.pieces)) / 2
     rows, stuff = [], (patterns.stock.material, f"{patterns.stock.thickness:g}" if patterns.stock.thickness else "")
+    bent, differences = pieces_in_position(patterns), _seam_differences(patterns)
     for number, (piece, beside, course) in enumerate(zip(patterns.pieces, neighbours(patterns), courses(patterns))):
         loops = contours(piece)
         sides = np.ptp(loops[0], axis=0)
@@ -97,17 +109,22 @@ def cut_list(patterns: Patterns) -> list[tuple]:
         mould = _mould(patterns, piece.region)
         about = (piece.sheet + 1, piece.label, piece.region, area, *lengths, round(folds[number]), labels, course, mould)
         edge = "yes" if at_sheet_edge(patterns, piece) else ""
-        rows.append((*about, f"{np.degrees(sharpest_corner(piece)):.1f}", edge, *_bending(patterns, number), *stuff))
+        fit = f"{100.0 * piece.strain:.3f}", *differences[number]
+        radius, sides = bent[number]
+        bends = (f"{1e3 * metres(units) * radius:.0f}" if sides else "", sides)
+        rows.append((*about, *fit, f"{np.degrees(sharpest_corner(piece)):.1f}", edge, *bends, *stuff))
     return sorted(rows, key=lambda row: row[0])
 
 
-def _bending(patterns: Patterns, piece: int) -> tuple[str, str]:
-    """Return the least radius of bending across the rulings of a piece [mm], and the sides to which it bends."""
-    bends = [ruling.bending for ruling in patterns.rulings if ruling.piece == piece and ruling.bending]
-    if not bends:
-        return "", ""
-    sides = {"away" if bend > 0.0 else "towards" for bend in bends}
-    return f"{1e3 * metres(patterns.problem.drawing.units) / max(map(abs, bends)):.0f}", " ".join(sorted(sides))
+def _seam_differences(patterns: Patterns) -> list[tuple[str, str]]:
+    """Return the largest difference between the flat sides of a seam of every piece [mm], and the number of the seam."""
+    mm = 1e3 * metres(patterns.problem.drawing.units)
+    largest: list[tuple[float, str]] = [(-1.0, "")] * len(patterns.pieces)
+    for seam in patterns.seams:
+        difference = mm * abs(seam.lengths[0] - seam.lengths[1])
+        for piece in seam.pieces:
+            largest[piece] = max(largest[piece], (difference, str(seam.number)), key=lambda own: own[0])
+    return [(f"{difference:.2f}" if number else "", number) for difference, number in largest]
 
 
 def _mould(patterns: Patterns, region: int) -> str:

@@ -88,6 +88,7 @@ def quad_notes(quads: PlaneQuads) -> list[str]:
         "twist: distance between the diagonals of a beam, 0 if it is plane; a twisted beam is drawn with its true sides, bent along the "
         "diagonal; angle between faces: between their normals, positive if convex, empty at the edge of a region; far from, far to: the "
         "other two corners of a beam, at its depth",
+        *filter(None, [quads.short_beams()]),
     ]
 
 

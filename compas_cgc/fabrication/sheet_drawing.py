@@ -18,7 +18,10 @@ from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
 from .drawing import clearance
+from .drawing import inside
+from .drawing import overlap
 from .drawing import roomiest
+from .drawing import text_box
 from .figures import in_mm
 from .figures import metres
 from .legend import outside_is_above
@@ -126,13 +129,13 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         lines += [Line("CUT", points + origin, True) for points in contours(piece)]
         lines += [Line("OUTLINE", loop.points + origin, True) for loop in (piece.loops if piece.allowance else [])]
         lines += _fold_lines(patterns, number, is_fold, origin)
-        own = patterns.patchwork
-        place, room = roomiest(own.plane[own.piece == number].mean(axis=1), [loop.points for loop in piece.loops])
+        loops = [loop.points for loop in piece.loops]
+        place, room = roomiest(inside(loops), loops)
         # The circle of free room around the label contains its corners.
         half = 0.5 * np.hypot(LETTER_WIDTH * len(piece.label), 1.0)
         label = Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.95 * room / half)))
         texts.append(label)
-        labels[number] = _box(piece.label, place, label.height)
+        labels[number] = text_box(piece.label, place, label.height)
         if nodes:
             texts += [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height, origin)]
     taken = [[own] for own in labels]
@@ -213,22 +216,12 @@ def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArra
             foot = ruling.points[k - 1] + (share * length[-1] - length[k - 1]) * along
             for aside in (np.array([-along[1], along[0]]), np.array([along[1], -along[0]])):
                 place = foot + clearance(text, size, aside) * aside
-                box = _box(text, place, size)
+                box = text_box(text, place, size)
                 whole = np.array([np.minimum(box[0], foot), np.maximum(box[1], foot)])
-                if not _crosses(sides, whole).any() and not any(_overlap(box, other) for other in taken):
+                if not _crosses(sides, whole).any() and not any(overlap(box, other) for other in taken):
                     taken.append(box)
                     return [Text("RULING", text, place + origin, float(size))]
     return []
-
-
-def _box(text: str, place: FloatArray, size: float) -> FloatArray:
-    """Return the lower left and upper right corner of a text centred at a place (2, 2) [L]."""
-    half = 0.5 * size * np.array([LETTER_WIDTH * len(text), 1.0])
-    return np.array([place - half, place + half])
-
-
-def _overlap(box: FloatArray, other: FloatArray) -> bool:
-    return bool((box[0] < other[1]).all() and (other[0] < box[1]).all())
 
 
 def _crosses(sides: FloatArray, box: FloatArray) -> Mask:

@@ -157,6 +157,7 @@ def unroll(
     given = None if seams is None else _given_seams(problem, seams)
     chosen = chosen_regions(problem, regions)
     flat, cuts, unrollings = developed(problem, chosen, given) if panels is None else developed_panels(problem, panels, chosen)
+    names = [panel.name for panel in panels or () if panel.region in chosen]
     curved = {own.region for own in unrollings if not own.unrolled}
 
     def flattened(own: Patchwork, piece: int) -> Patchwork:
@@ -200,8 +201,7 @@ def unroll(
         raise CGCError(str(error)) from None
     ruled = [one.region for one in unrollings if one.unrolled] if rulings != 0 else []
     lines, straightness = rulings_of(problem, own.patchwork, ruled, rulings, np.inf if stock.sheet is None else 0.25 * stock.sheet[1])
-    names = [panel.name for panel in panels or () if panel.region in chosen]
-    # Panels that were cut again need other names.
+    # Pieces of another division than the panels of a mould report need other names.
     return patterns_of(problem, own, unrollings, lines, straightness, names if len(names) == len(own.sheets) else ())
 
 

@@ -13,6 +13,7 @@ from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
+from ..fabrication.figures import unit_symbol
 from ..fabrication.load_cases import LoadCase
 from ..fabrication.load_cases import snow_loads
 from ..fabrication.load_cases import wind_loads
@@ -110,10 +111,16 @@ def inp_text(state: MembraneState, model: Union[Model, None] = None) -> str:
     lines += ["*BOUNDARY", "SUPPORTS, 1, 3"] if held else []
     cases = load_cases(state, model)
     for case in cases:
-        lines += [f"** load case {case.name}", "*STEP", "*STATIC", *_loads(case, cases, thickness)]
+        lines += [
+            f"** load case {case.name}, loads in F and F/{unit_symbol(problem.drawing.units)}^2",
+            "*STEP",
+            "*STATIC",
+            *_loads(case, cases, thickness),
+        ]
         lines += ["*NODE PRINT, NSET=SUPPORTS, TOTALS=YES", "RF"] if held else []
         lines += ["*NODE FILE", "U, RF", "*EL FILE", "S", "*END STEP"]
-    lines.append("** element, N1, N2, direction of N1")
+    unit = unit_symbol(problem.drawing.units)
+    lines.append(f"** element, N1, N2 [F/{unit}, tension positive], direction of N1 (x, y, z)")
     lines += [
         f"** {f}, {_numbers([*forces, *direction], 9)}"
         for f, (forces, direction) in enumerate(zip(state.forces.tolist(), state.directions[:, 0].tolist()), 1)
@@ -124,10 +131,15 @@ def inp_text(state: MembraneState, model: Union[Model, None] = None) -> str:
 def _comments(state: MembraneState, model: Model) -> list[str]:
     problem = state.problem
     rim = int((state.edge_loads.kind == 0).sum())
+    unit = unit_symbol(problem.drawing.units)
     notes = [
-        f"drawing {problem.drawing.name}, units {problem.drawing.units or 'Meters'}; numbers are mesh numbers plus one",
-        f"pressure {state.pressure:.6g} along the normals, weight {state.weight:.6g} downwards per unit area, snow {model.snow:.6g} "
-        f"downwards per unit area in plan, wind {_numbers(model.wind, 6)} in plan",
+        f"drawing {problem.drawing.name}; lengths and coordinates in {unit}; node and element numbers are mesh numbers plus one",
+        f"unit of force: F, that of the loads below, which were given in F/{unit}^2 (F is kN if they were in kN/{unit}^2); "
+        f"forces are in F, line loads and membrane forces in F/{unit}, stresses, pressures and moduli in F/{unit}^2",
+        f"pressure {state.pressure:.6g} along the normals, weight {state.weight:.6g} downwards per area of the surface, "
+        f"snow {model.snow:.6g} downwards per area in plan, wind {_numbers(model.wind, 6)} as pressure along x, y in plan [F/{unit}^2]",
+        f"elastic modulus {model.modulus:.6g} F/{unit}^2, Poisson's ratio {model.poisson:g}, membrane {model.thickness:g} mm, beams "
+        f"{model.beam:g} x {model.beam:g} mm; density 1: self weight is written as an acceleration of weight over thickness",
         "modulus, thickness and beam section are placeholders; replace them, and the stiffness of the supports, with those of the design",
         "membrane forces N1 and N2 by compas_cgc are comments at the end of this file",
         "CalculiX includes loads applied directly to supported nodes in RF; subtract them to obtain the reactions",

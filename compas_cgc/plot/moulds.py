@@ -34,6 +34,9 @@ PAGE = (11.7, 8.3)  # A4 [in]
 WARNING = "#b00020"
 NAMED = 200  # number of panels up to which they are labelled
 LETTER = 0.65  # width of a character, relative to the font size
+FONT = 6.2  # of the report [pt]
+LINE_PITCH = 1.35  # of the report, relative to the font
+TEXT_ROOM = 0.33  # height for the report above the plans, relative to A4
 MAX_MOULDS = 4  # number of moulds that are drawn
 
 
@@ -69,27 +72,32 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     'Figure'
     """
     problem = mesh.to_problem().without_dummies()
-    figure = new_figure(*PAGE)
-    figure.text(0.03, 0.965, title or "Moulds", fontsize=13, color=INK, va="top")
     lines = str(report).split("\n")
     warned = 1 if report.overstressed else 0
     warning = _wrapped("\n".join(lines[:warned]))
     rest = "\n" * len(warning.splitlines()) + _wrapped("\n".join(lines[warned:]))
+    # A longer report needs a taller page.
+    height = PAGE[1] + max(0.0, (len(rest.splitlines()) + 1) * FONT * LINE_PITCH / 72.0 - TEXT_ROOM * PAGE[1])
+    share = PAGE[1] / height
+    figure = new_figure(PAGE[0], height)
+    figure.text(0.03, 1.0 - 0.035 * share, title or "Moulds", fontsize=13, color=INK, va="top")
     for text, ink in ((warning, WARNING), (rest, INK)):
-        figure.text(0.03, 0.925, text, fontsize=6.2, color=ink, va="top", family="monospace", linespacing=1.35)
-    plan = figure.add_axes((0.03, 0.06, 0.30, 0.52))
+        figure.text(0.03, 1.0 - 0.075 * share, text, fontsize=FONT, color=ink, va="top", family="monospace", linespacing=LINE_PITCH)
+
+    def lower(left: float) -> Axes:
+        return figure.add_axes((left, 0.06 * share, 0.30, 0.52 * share))
+
+    plan = lower(0.03)
     kinds = [PALETTE[(fit.mould - 1) % len(PALETTE)] for fit in report.panels]
     _draw_plan(plan, problem, report, colours=kinds)
     plan.set_title("panels, coloured by mould", fontsize=8)
-    misses = figure.add_axes((0.35, 0.06, 0.30, 0.52))
-    _draw_values(figure, misses, problem, report, [fit.rigid for fit in report.panels], "deviation without bending [mm]")
-    stress = figure.add_axes((0.67, 0.06, 0.30, 0.52))
+    _draw_values(figure, lower(0.35), problem, report, [fit.rigid for fit in report.panels], "deviation without bending [mm]")
     text = f"bending stress, {report.thickness:g} mm {report.material.name} [MPa]"
-    _draw_values(figure, stress, problem, report, [fit.stress for fit in report.panels], text)
+    _draw_values(figure, lower(0.67), problem, report, [fit.stress for fit in report.panels], text)
     shown = report.moulds[:MAX_MOULDS]
     side = min(0.28, 0.5 / len(shown))
     for k, mould in enumerate(shown):
-        ax = figure.add_axes((0.98 - (len(shown) - k) * side, 0.65, side - 0.01, 0.28))
+        ax = figure.add_axes((0.98 - (len(shown) - k) * side, 1.0 - 0.35 * share, side - 0.01, 0.28 * share))
         _draw_mould(ax, mould, [fit for fit in report.panels if fit.mould == mould.number], report.unit)
     return figure
 
@@ -166,7 +174,7 @@ def _draw_mould(ax: Axes, mould: Mould, panels: list[PanelFit], unit: float) -> 
     for fit in panels:
         lines += [fit.on_mould[np.append(loop, loop[0])][:, :2] for loop in boundary_loops(fit.faces)]
     ax.add_collection(collections.LineCollection(lines, colors=INK, linewidths=0.3))
-    ax.set_title(f"mould {mould.number}: {mould.kind}, K = {mould.K / unit**2:.4g} 1/m²", fontsize=7)
+    ax.set_title(f"mould {mould.number}: {mould.kind}\nK = {mould.K / unit**2:.4g} 1/m²", fontsize=7)
     _tidy(ax)
 
 

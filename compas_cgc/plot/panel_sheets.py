@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import textwrap
 from collections.abc import Iterator
 from collections.abc import Sequence
 from pathlib import Path
@@ -29,6 +30,7 @@ ROWS = 32  # of the schedule on one page
 KEY = (0.81, 0.79, 0.16, 0.16)  # place of the small plan on the page of a panel
 TEXT_WIDTH = 0.75  # width of a letter relative to its size, with room beside it
 MARGIN = 0.16  # around an outline, relative to its size
+MAX_LINE = 150  # characters of a remark on one line
 HEAD = (
     "panel",
     "region",
@@ -127,7 +129,7 @@ def _cells(own: PanelSheet) -> tuple[str, ...]:
 def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] = ()) -> Figure:
     """Return the drawing of a panel: outline with lengths, diagonals and neighbours, size, mould and K, and its place among others."""
     figure = new_figure(*PAGE)
-    axes: Any = figure.add_axes((0.04, 0.16, 0.92, 0.62) if sheets else (0.04, 0.16, 0.92, 0.74))
+    axes: Any = figure.add_axes((0.04, 0.2, 0.92, 0.58) if sheets else (0.04, 0.2, 0.92, 0.7))
     axes.set_aspect("equal")
     axes.axis("off")
     outline = np.vstack([side.points[:-1] for side in own.sides])
@@ -175,6 +177,7 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
             f"bending stress from the mould into position: {own.fit.stress:.1f} MPa at most; on 95 % of the area "
             f"{own.fit.stress_95:.1f} MPa, {100.0 * own.used:.0f} % of the strength of the material{breaks}",
         )
+    lines += [row for remark in own.remarks for row in textwrap.wrap(remark, MAX_LINE)]
     figure.text(0.05, 0.04, "\n".join(lines), fontsize=8, color=WARNING if own.used > 1.0 else INK, linespacing=1.6)
     return figure
 

@@ -216,9 +216,18 @@ def test_files_hold_the_curves(suffix, tmp_path):
         assert not document.audit().errors and document.header["$INSUNITS"] == 4
         shown = np.array([document.header["$EXTMIN"], document.header["$EXTMAX"]])
         points = np.vstack([curve.points for curve in net.curves])
-        assert np.allclose(shown, [points.min(axis=0), points.max(axis=0)])
-        found = [len(line) for line in document.modelspace().query("POLYLINE")]
-        assert {line.dxf.layer for line in document.modelspace()} == {"ASYMPTOTIC_CURVES_1", "ASYMPTOTIC_CURVES_2"}
+        assert (shown[0] <= points.min(axis=0) + 1e-9).all() and (shown[1] >= points.max(axis=0) - 1e-9).all()
+        lines = document.modelspace().query("POLYLINE")
+        assert {line.dxf.layer for line in lines} == {"ASYMPTOTIC_CURVES_1", "ASYMPTOTIC_CURVES_2", "EDGES"}
+        found = [len(line) for line in lines if line.dxf.layer.startswith("ASYMPTOTIC")]
+        starts = {text.dxf.text: text.dxf.insert for text in document.modelspace().query("TEXT[layer=='CURVE_NUMBERS']")}
+        assert list(starts) == [f"L{k}" for k in range(1, len(net.curves) + 1)] == net.labels
+        for place, curve in zip(starts.values(), net.curves):
+            away = np.linalg.norm(curve.points - np.array(list(place)), axis=1)
+            assert away[0] < 0.11 * curve.length and away[-1] > 0.5 * curve.length
+        assert len(document.modelspace().query("TEXT[layer=='NODE_NUMBERS']")) == len(net.nodes)
+        legend = " ".join(text.dxf.text for text in document.modelspace().query("TEXT[layer=='LEGEND']"))
+        assert all(f"{layer}:" in legend for layer in {line.dxf.layer for line in lines})
     else:
         from compas_cgc.io.rhino.archive import list_items
         from compas_cgc.io.rhino.archive import read_archive

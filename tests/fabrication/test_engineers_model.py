@@ -60,6 +60,13 @@ def test_lines_and_numbers_are_short_enough_for_both_programs():
     assert np.abs(places - state.problem.vertices).max() < 1e-11
 
 
+def test_the_model_states_its_units():
+    text = inp_text(state_of(), MODEL)
+    comments = " ".join(line[3:] for line in text.splitlines() if line.startswith("** "))
+    assert "lengths and coordinates in m;" in comments and "unit of force: F" in comments and "moduli in F/m^2" in comments
+    assert all(f"load case {name}, loads in F and F/m^2" in comments for name in ("PRESSURE", "SELF_WEIGHT", "SNOW", "WIND"))
+
+
 def test_load_cases_have_the_loads_of_their_definition():
     state = state_of()
     V, F = state.problem.vertices, state.problem.faces

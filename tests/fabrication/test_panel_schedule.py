@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from compas_cgc.fabrication import panels
 from compas_cgc.fabrication.panel_schedule import panel_sheets
 from compas_cgc.fabrication.panel_schedule import schedule_text
 from compas_cgc.fabrication.panel_seams import panel_seams
+from compas_cgc.plot import moulds_figure
 from compas_cgc.plot.panel_sheets import save_panel_sheets
 
 
@@ -99,3 +101,25 @@ def test_the_pdf_has_a_page_per_panel_and_is_the_same_again(report, tmp_path):
     first, again = (save_panel_sheets(sheets, tmp_path / name, "facade:").read_bytes() for name in ("a.pdf", "b.pdf"))
     assert first == again
     assert first.count(b"/Type /Page ") == 2 + len(sheets)
+
+
+def test_remarks_name_panels_whose_largest_stress_has_no_limit_and_short_seams(report):
+    problem, made = report
+    sheets = panel_sheets(problem, made)
+    assert {own.fit.panel.name for own in sheets if own.remarks} == {fit.panel.name for fit in made.panels if fit.singular} != set()
+    rows = {row["panel"]: row for row in csv.DictReader(io.StringIO(schedule_text(sheets)))}
+    for own in sheets:
+        assert ("unbounded" in rows[own.fit.panel.name]["remarks"]) == own.fit.singular
+    short = sheets[0]._replace(sides=[side._replace(length=60.0) for side in sheets[0].sides])
+    inner = [side.neighbour for side in short.sides if side.neighbour != "edge"]
+    assert [remark for remark in short.remarks if "short" in remark] == [f"short seam with {name}: 60.0 mm" for name in inner]
+
+
+@pytest.mark.parametrize("times", [1, 6])
+def test_the_report_on_the_page_of_moulds_lies_above_the_plans(report, times):
+    problem, made = report
+    figure = moulds_figure(problem, replace(made, moulds=made.moulds * times))
+    figure.canvas.draw()
+    text = min(own.get_window_extent().y0 for own in figure.texts)
+    plans = [own for own in figure.axes if own.get_title() and own.get_position().y0 < 0.3]
+    assert len(plans) == 3 and text > max(own.title.get_window_extent().y1 for own in plans)

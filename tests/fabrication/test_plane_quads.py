@@ -3,6 +3,7 @@
 import csv
 import json
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,12 +16,14 @@ from compas_cgc.cli.main import main
 from compas_cgc.errors import CGCError
 from compas_cgc.fabrication import plane_quads
 from compas_cgc.fabrication.outlines import signed_area
+from compas_cgc.fabrication.quad_tables import beam_text
 from compas_cgc.fabrication.quads.cross_field import cross_field
 from compas_cgc.fabrication.quads.extraction import Polygons
 from compas_cgc.fabrication.quads.merging import merged
 from compas_cgc.fabrication.quads.planarity import _diagonals
 from compas_cgc.io import write
 from compas_cgc.model.problem import CGCProblem
+from tests.support.constant_curvature import revolved_patch
 from tests.support.exact_surfaces import SURFACES
 from tests.support.shapes import grid
 
@@ -191,6 +194,20 @@ def test_the_slopes_of_the_distance_between_diagonals_are_exact():
     assert gap == pytest.approx(
         [np.linalg.det([b - a, c - a, d - a]) / np.linalg.norm(np.cross(c - a, d - b)) for a, b, c, d in points[corners]]
     )
+
+
+def test_short_beams_are_named_in_the_report_and_in_the_tables():
+    quads = plane_quads(CGCProblem(*revolved_patch(12, 0.02)).with_targets(0.02), 1.0)
+    ends = quads.vertices[quads.edges]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    # In a model of this scale some beams, but not all, are shorter than 100 mm.
+    small = replace(quads, vertices=quads.vertices * 0.1 / np.median(lengths))
+    named = small.short_beams()
+    assert {word.split(" ")[0] for word in named.split(": ")[1].split(", ")} == {
+        f"B{k}" for k in np.flatnonzero(lengths < np.median(lengths))
+    }
+    assert named in small.summary() and named in beam_text(small).replace('""', '"')
+    assert replace(quads, vertices=10.0 * quads.vertices).short_beams() == ""
 
 
 def test_the_command_writes_faces_and_beams(tmp_path):

@@ -34,6 +34,7 @@ from compas_cgc.fabrication.nesting import nest
 from compas_cgc.fabrication.outlines import signed_area
 from compas_cgc.fabrication.piece_checks import sharpest_corner
 from compas_cgc.fabrication.piece_list import cut_list
+from compas_cgc.fabrication.piece_list import cut_list_text
 from compas_cgc.fabrication.pieces import best_box
 from compas_cgc.fabrication.seams import opens_to_disks
 from compas_cgc.fabrication.seams import seam_edges
@@ -249,6 +250,11 @@ def test_the_plan_has_every_piece_in_its_place(cut):
     assert sum(map(signed_area, outlines)) == pytest.approx(64.0, rel=1e-12) and drawing.size[0] == pytest.approx(8.0)
     assert {text.text.split()[0] for text in drawing.texts if text.layer == "LABEL"} == {piece.label for piece in cut.pieces}
     assert {text.text for text in drawing.texts if text.layer == "SEAM"} == {str(seam.number) for seam in cut.seams}
+    boxes = [
+        (text.place, 0.35 * text.height * np.array([len(text.text), 1.0])) for text in drawing.texts if text.layer in ("LABEL", "SEAM")
+    ]
+    apart = [(np.abs(a - b) > x + y).any() for k, (a, x) in enumerate(boxes) for b, y in boxes[:k]]
+    assert all(apart)
     shapely = pytest.importorskip("shapely")
     places = {piece.label: shapely.Polygon(points) for piece, points in zip(cut.pieces, outlines)}
     for text in (text for text in drawing.texts if text.layer == "LABEL"):
@@ -585,6 +591,30 @@ def test_constants_of_the_rule():
     assert widest_panel(0.01, 0.002) == pytest.approx((24 * 0.002 / 0.01) ** 0.5) and widest_panel(0.0, 0.002, 2.0) == np.inf
     with pytest.raises(ValueError, match="aspect of a panel"):
         flattening_constant(0.0)
+
+
+def test_the_cut_list_states_bending_strain_and_seams_of_curved_pieces():
+    K = 0.04
+    problem = CGCProblem(*revolved_patch(20, K, radius=3.0)).with_supports("boundary").with_targets(K)
+    own = unroll(problem, SHEET)
+    rows = list(csv.DictReader(cut_list_text(own).splitlines()))
+    # The smaller principal radius is that of the parallels, of 3 m along the middle and less towards the ends.
+    assert {row["bends"] for row in rows} == {"away"}
+    radii = [float(row["least bending radius in mm"]) for row in rows]
+    assert 2000.0 < min(radii) <= max(radii) < 3000.0 * 1.01
+    saddle = unroll(CGCProblem(*revolved_patch(20, -K)).with_supports("boundary").with_targets(-K), SHEET)
+    assert {row["bends"] for row in csv.DictReader(cut_list_text(saddle).splitlines())} == {"away towards"}
+    strains = {piece.label: 100 * piece.strain for piece in own.pieces}
+    assert {row["piece"]: float(row["strain in %"]) for row in rows} == pytest.approx(strains, abs=6e-4)
+    for row in rows:
+        beside = [seam for seam in own.seams if row["piece"] in [own.pieces[k].label for k in seam.pieces]]
+        difference = {seam.number: 1000 * abs(seam.lengths[0] - seam.lengths[1]) for seam in beside}
+        assert float(row["seam difference in mm"]) == pytest.approx(max(difference.values()), abs=6e-3)
+        assert difference[int(row["at seam"])] == max(difference.values())
+    # Pieces of another division than the panels of a mould report have other names.
+    assert not {piece.label for piece in own.pieces} & {panel.name for panel in panels(problem, 1.5)}
+    given = unroll(problem, (4.0, 4.0), panels=panels(problem, 1.5))
+    assert {piece.label for piece in given.pieces} == {panel.name for panel in panels(problem, 1.5)}
 
 
 def test_a_dome_is_cut_until_the_strain_is_small_enough():

@@ -49,6 +49,7 @@ __all__ = ["CurveNet", "NetCurve", "curve_net", "plural", "usual_spacing"]
 
 KINDS = dict(zip(NET_KINDS, (CURVATURE, ASYMPTOTIC)))
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
+LETTERS = {CURVATURE: "C", ASYMPTOTIC: "L", RULING: "R"}  # first letters of the names of curves; asymptotic curves carry laths
 DEFAULT_SPACING = 1.0 / 12.0  # relative to the size of a region
 DEFAULT_STOP = 0.5  # least distance of parallel lines of curvature relative to the spacing
 FLAT_CURVATURE = 1e-9  # K times area below which a region counts as K = 0
@@ -158,6 +159,17 @@ class CurveNet:
     lengths: FloatArray  # (s,) lengths of the sides along the curves [L]
     notes: tuple[str, ...] = ()  # sentences on regions without curves or without a net of equal sides
     surfaces: dict[int, KSurface] = dataclass_field(default_factory=dict)  # nearest surface of constant K, by region
+
+    @property
+    def labels(self) -> list[str]:
+        """Names of the curves: L1, L2, ... for asymptotic curves and their laths, C1, ... for lines of curvature, R1, ... for rulings."""
+        letters = {name: LETTERS[kind] for kind, name in NAMES.items()}
+        counts = dict.fromkeys(letters.values(), 0)
+        found = []
+        for curve in self.curves:
+            counts[letters[curve.kind]] += 1
+            found.append(f"{letters[curve.kind]}{counts[letters[curve.kind]]}")
+        return found
 
     def summary(self) -> str:
         """Return lines of text with counts, lengths of sides and straightness of rulings."""

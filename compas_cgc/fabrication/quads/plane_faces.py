@@ -128,14 +128,18 @@ class PlaneQuads:
         if len(aspects):
             middle, most = 100.0 * (np.median(aspects) - 1.0), 100.0 * (aspects.max() - 1.0)
             lines.append(f"squares inside regions of constant H: widths differ by {middle:.2g} % (median), {most:.2g} % at most")
-        short = np.flatnonzero(sides < SHORT)
-        if len(short):
-            middle = self.vertices[self.edges[short[:3]]].mean(axis=1)
-            places = "; ".join(",".join(f"{value:.3g}" for value in place) for place in middle)
-            lines.append(f"{len(short)} beams are shorter than {SHORT:g} mm, at {places}{'; ...' if len(short) > 3 else ''}")
-        return "\n".join([*lines, *self.notes])
+        short = self.short_beams()
+        return "\n".join([*lines, *([short] if short else []), *self.notes])
 
     __str__ = summary
+
+    def short_beams(self) -> str:
+        """Return a sentence that names the beams below 100 mm with their lengths, the shortest first, empty without any."""
+        ends = self.vertices[self.edges]
+        lengths = 1e3 * metres_per_unit(self.problem.drawing.units) * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        short = np.flatnonzero(lengths < SHORT)
+        named = ", ".join(f"B{k} ({lengths[k]:.0f} mm)" for k in short[np.argsort(lengths[short], kind="stable")].tolist())
+        return f"beams shorter than {SHORT:g} mm: {named}" if len(short) else ""
 
 
 def axis_lines(quads: PlaneQuads) -> FloatArray:

@@ -18,6 +18,7 @@ from ...model.problem import problem_of
 from .. import option_values as values
 from ..drawing import Line
 from ..figures import metres
+from ..figures import unit_symbol
 from ..option_values import PAPERS
 from .level_lines import level_lines
 from .marks import TEXT_HEIGHT
@@ -43,7 +44,6 @@ MARGIN = 10.0  # of the frame [mm]
 STRIP = 16.0  # height of the title block [mm]
 CONTOURS = 10  # approximate number of contour lines
 MAX_CONTOURS = 500
-UNIT_NAMES = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
 
 
 class ViewSheet(NamedTuple):
@@ -96,7 +96,7 @@ class ViewSheet(NamedTuple):
     def summary(self) -> str:
         """Return one sentence."""
         names = ", ".join(own[0].lower() + own[1:] for own in self.views)
-        unit = UNIT_NAMES.get(self.units, self.units)
+        unit = unit_symbol(self.units)
         return f"{len(self.views)} views at 1:{self.scale} on {self.sheet}: {names}; contour lines every {self.interval:g} {unit}"
 
     def __str__(self) -> str:
@@ -305,7 +305,7 @@ def _title_block(
     problem = shape.problem
     low, high = np.array([MARGIN, MARGIN]), np.array(size) - MARGIN
     corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-    unit = UNIT_NAMES.get(units, units)
+    unit = unit_symbol(units)
     known = "" if problem.drawing.units else " (assumed)"
     targets = sorted({K for K in problem.region_targets() if K is not None})
     K = "-" if not targets else f"{targets[0]:.3g}" if len(targets) == 1 else f"{targets[0]:.3g} to {targets[-1]:.3g}"

@@ -27,10 +27,10 @@ def write_net_layers(path: Union[str, os.PathLike], net: CurveNet) -> None:
         If the file cannot be written.
     """
     writer = LayerWriter(new_archive(net.problem))
-    for number, curve in enumerate(net.curves):
+    for label, curve in zip(net.labels, net.curves):
         layer = writer.layer(f"{CURVES}::{plural(curve.kind).capitalize()} {curve.family + 1}", COLOURS[curve.family])
         text = {"region": str(curve.region), "length": repr(curve.length), "off its chord": repr(curve.straightness)}
-        writer.polyline(curve.points, writer.attributes(layer, f"curve {number}", text))
+        writer.polyline(curve.points, writer.attributes(layer, label, text))
     if len(net.nodes):
         writer.points(net.nodes, writer.attributes(writer.layer(f"{CURVES}::Nodes", (60, 60, 60))))
     surface = writer.layer(f"{CURVES}::Surface", (160, 160, 160), visible=False)
