@@ -14,7 +14,7 @@ from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 from .materials import Material
 from .materials import bending_stress
-from .mould_surface import Surface
+from .mould_surface import MouldSurface
 from .patchwork import weights_in
 
 __all__ = ["corner_operators", "curvature_changes", "mesh_dependent", "plate_stress"]
@@ -47,7 +47,7 @@ def corner_operators(problem: CGCProblem) -> FloatArray:
     return np.asarray(own[:, :, PACKED], dtype=np.float64)
 
 
-def curvature_changes(surface: Surface, on_form: FloatArray, places: FloatArray, operators: FloatArray) -> FloatArray:
+def curvature_changes(surface: MouldSurface, on_form: FloatArray, places: FloatArray, operators: FloatArray) -> FloatArray:
     """Return the principal changes of curvature at the corners of faces from a mould into position (m, 3, 2) [1/L].
 
     The larger one in size comes first. Both second fundamental forms are taken on the edges of the same triangle, so that the principal

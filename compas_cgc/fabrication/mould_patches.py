@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -11,10 +12,11 @@ from scipy.interpolate import CubicSpline
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
 from ..discrete.nurbs import NurbsPatch
-from .mould_surface import Surface
+from .mould_surface import MouldSurface
 from .revolution import Revolution
 from .revolution import cosine_and_sine
 from .revolution import revolution
+from .revolved_mould import RevolvedMould
 
 __all__ = ["ACCURACY", "Chart", "cap_patch", "cap_rim", "chart_of"]
 
@@ -31,12 +33,15 @@ class Chart(NamedTuple):
     origin: FloatArray  # (3,) of the axis, where the height of the meridian is 0 [L]
     axes: FloatArray  # (3, 3) rows: two directions across the axis and along it
     depth: float  # of the pole of a pseudosphere
+    revolved: Optional[RevolvedMould] = None  # the mould, if its pole lies on an equator or throat
 
     def of(self, points: Vertices) -> FloatArray:
         """Return the coordinates (k, 2) of points near the mould (k, 3)."""
         if self.K == 0.0:
             return points[:, :2]
         x, y, z = ((points - self.origin) @ self.axes.T).T
+        if self.revolved is not None:
+            return np.column_stack([self.revolved.arc_lengths(z), np.arctan2(y, x)])
         around, root = np.arctan2(y, x), math.sqrt(abs(self.K))
         along = np.arctan2(z, np.hypot(x, y)) if self.K > 0.0 else -np.log(root * np.hypot(x, y))
         return np.column_stack([along / root, around])
@@ -47,7 +52,9 @@ class Chart(NamedTuple):
             return np.column_stack([places, np.zeros(len(places))])
         s, around = places.T
         root = math.sqrt(abs(self.K))
-        if self.K > 0.0:
+        if self.revolved is not None:
+            r, z = self.revolved.revolution.radii(s), self.revolved.revolution.heights_at(s)
+        elif self.K > 0.0:
             r, z = np.cos(root * s) / root, np.sin(root * s) / root
         else:
             r = np.exp(-root * s) / root
@@ -63,9 +70,9 @@ class Chart(NamedTuple):
             knots = [np.repeat([first, last], 2) for first, last in zip(low, high)]
             return NurbsPatch(np.stack([x, y, np.zeros((2, 2)), np.ones((2, 2))], axis=-1), (knots[0], knots[1]), (1, 1))
         root = math.sqrt(abs(self.K))
-        if self.K < 0.0:
+        if self.revolved is None and self.K < 0.0:
             low[0] = max(low[0], 0.5 * places[:, 0].min())
-        own = revolution("sphere" if self.K > 0.0 else "pseudosphere", self.K)
+        own = revolution("sphere" if self.K > 0.0 else "pseudosphere", self.K) if self.revolved is None else self.revolved.revolution
         made = own.patch((float(low[0]), float(high[0])), (float(low[1]), float(high[1])), ACCURACY / root)
         first = self.at(np.array([[low[0], 0.0]]))[0] - own.radii(low[:1])[0] * self.axes[0]
         return made.placed(first, self.axes)
@@ -80,19 +87,22 @@ class Chart(NamedTuple):
         return self.at(CubicSpline(along, places)(t))
 
 
-def chart_of(surface: Surface) -> Chart:
+def chart_of(surface: MouldSurface) -> Chart:
     """Return the chart of a mould, whose axis does not pass through the pole."""
+    across = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    if isinstance(surface, RevolvedMould):
+        return Chart(surface.K, np.array([0.0, 0.0, -surface.size]), across, 1.0, surface)
     if surface.K == 0.0:
         return Chart(0.0, np.zeros(3), np.eye(3), 1.0)
     root = math.sqrt(abs(surface.K))
     if surface.K > 0.0:
-        return Chart(surface.K, np.array([0.0, 0.0, -1.0 / root]), np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]), 1.0)
+        return Chart(surface.K, np.array([0.0, 0.0, -1.0 / root]), across, 1.0)
     own = Chart(surface.K, np.zeros(3), surface.axes, surface.depth)
     return own._replace(origin=-own.at(np.array([[math.log(surface.depth) / root, 0.0]]))[0])
 
 
-def cap_patch(surface: Surface, radius: float) -> NurbsPatch:
-    """Return the cap of a mould about its pole: the cap itself for planes and spheres, a rectangle around it for pseudospheres.
+def cap_patch(surface: MouldSurface, radius: float) -> NurbsPatch:
+    """Return the cap of a mould about its pole: the cap itself for planes and spheres, a rectangle around it for other moulds.
 
     Parameters
     ----------
@@ -105,14 +115,14 @@ def cap_patch(surface: Surface, radius: float) -> NurbsPatch:
     turned = np.diag([1.0, 1.0, -1.0])
     if surface.K == 0.0:
         return Revolution(0.0, 0.0, 1.0).patch((0.0, radius), full, 1.0)
-    if surface.K > 0.0:
+    if surface.K > 0.0 and surface.isotropic:
         # The meridian begins at the pole.
         return Revolution(surface.K, 0.0, 1.0).patch((0.0, radius), full, 1.0).placed(np.zeros(3), turned)
     chart = chart_of(surface)
     return chart.patch(chart.of(cap_rim(surface, radius)))
 
 
-def cap_rim(surface: Surface, radius: float) -> Vertices:
+def cap_rim(surface: MouldSurface, radius: float) -> Vertices:
     """Return the closed rim of a cap (k, 3), first point repeated [L]."""
     angle = np.linspace(0.0, 2.0 * math.pi, RIM_POINTS + 1)
     up, out = cosine_and_sine(surface.K, np.full(len(angle), radius))

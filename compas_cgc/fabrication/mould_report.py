@@ -23,10 +23,11 @@ from .flattening import widest_panel
 from .materials import MATERIALS
 from .materials import Material
 from .materials import bending_stress
-from .mould_surface import Surface
+from .mould_surface import MouldSurface
 from .panel_seams import PanelSeam
 from .panelling import Panel
 from .pieces import best_box
+from .revolved_mould import RevolvedMould
 
 __all__ = ["SHORT_SEAM", "Mould", "MouldReport", "PanelFit"]
 
@@ -39,7 +40,7 @@ class Mould:
     """One mould: a cap of a surface of constant curvature."""
 
     number: int  # from 1
-    surface: Surface
+    surface: MouldSurface
     radius: float  # geodesic radius of the smallest cap that holds each of its panels [L]
     panels: int  # number of panels made on it
 
@@ -50,8 +51,13 @@ class Mould:
 
     @property
     def kind(self) -> str:
-        """Type of the surface: sphere, pseudosphere or plane."""
-        return "sphere" if self.K > 0.0 else "pseudosphere" if self.K < 0.0 else "plane"
+        """Type of the surface: plane, sphere or pseudosphere, or spindle, bulge or hyperboloid if chosen for least bending."""
+        return self.surface.kind
+
+    @property
+    def size(self) -> Optional[float]:
+        """Radius of the equator of a spindle or bulge, or of the throat of a hyperboloid, on which the pole lies, otherwise None [L]."""
+        return self.surface.size if isinstance(self.surface, RevolvedMould) else None
 
     @property
     def radius_of_curvature(self) -> Optional[float]:
@@ -143,6 +149,7 @@ class MouldReport:
                 "kind": own.kind,
                 "K": own.K,
                 "radius_of_curvature": own.radius_of_curvature,
+                "size": own.size,
                 "cap_radius": own.radius,
                 "panels": own.panels,
             }
@@ -237,6 +244,8 @@ class MouldReport:
         long = mould.radius_of_curvature
         mm = 1e3 * self.unit
         what = f"{mould.kind} of K = {mould.K / self.unit**2:.6g} 1/m²" + ("" if long is None else f", radius {mm * long:.0f} mm")
+        if mould.size is not None:
+            what += f" (1/√|K|), {mm * mould.size:.0f} mm at its {'throat' if mould.K < 0.0 else 'equator'}, on which panels are centred"
         lines = [
             f"mould {mould.number}: {what}, cap of radius {mm * mould.radius:.0f} mm for {_many(mould.panels, 'panel')}",
             f"  fit: gaps up to {max(fit.gap for fit in own):.2g} mm, relative edge errors up to {max(fit.edge_error for fit in own):.1e}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import NamedTuple
+from typing import Union
 
 import numpy as np
 
@@ -13,8 +14,9 @@ from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from . import space_form
 from .revolution import cosine_and_sine
+from .revolved_mould import RevolvedMould
 
-__all__ = ["Surface", "cap_mesh", "surface_for"]
+__all__ = ["MouldSurface", "Surface", "cap_mesh", "surface_for"]
 
 RIM_MARGIN = 1.001  # factor on the distance from the rim of a pseudosphere, where curvature is unbounded
 RINGS, AROUND = 16, 64  # resolution of the mesh of a mould
@@ -25,6 +27,16 @@ class Surface(NamedTuple):
 
     K: float  # [1/L^2]
     depth: float = 1.0  # depth of the pole below the rim of the pseudosphere, the y of the upper half plane; unused for K >= 0
+
+    @property
+    def kind(self) -> str:
+        """Type of the surface: sphere, pseudosphere or plane."""
+        return "sphere" if self.K > 0.0 else "pseudosphere" if self.K < 0.0 else "plane"
+
+    @property
+    def isotropic(self) -> bool:
+        """Whether panels fit alike after every rotation about the pole."""
+        return self.K >= 0.0
 
     def places(self, points: FloatArray) -> Vertices:
         """Return points (n, 3) of the space form as coordinates in space (n, 3) [L]."""
@@ -84,6 +96,9 @@ class Surface(NamedTuple):
         return -self.depth * root * points[:, 2] / below, self.depth / below
 
 
+MouldSurface = Union[Surface, RevolvedMould]
+
+
 def surface_for(K: float, radius: float) -> Surface:
     """Return the mould that holds a cap of a given radius [L] about its pole.
 
@@ -104,7 +119,7 @@ def surface_for(K: float, radius: float) -> Surface:
     return Surface(K, depth)
 
 
-def cap_mesh(surface: Surface, radius: float) -> tuple[Vertices, Faces]:
+def cap_mesh(surface: MouldSurface, radius: float) -> tuple[Vertices, Faces]:
     """Return the mesh of a cap about the pole of a mould: vertices (n, 3) [L] and faces (m, 3)."""
     ring, k = np.divmod(np.arange(RINGS * AROUND), AROUND)
     distance, angle = radius * (ring + 1) / RINGS, 2 * np.pi * k / AROUND

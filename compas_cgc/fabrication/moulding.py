@@ -12,6 +12,7 @@ from typing import Union
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
 from ..discrete.arrays import Vertices
@@ -40,7 +41,7 @@ from .materials import metres_per_unit
 from .mould_report import Mould
 from .mould_report import MouldReport
 from .mould_report import PanelFit
-from .mould_surface import Surface
+from .mould_surface import MouldSurface
 from .mould_surface import surface_for
 from .panel_parts import PanelParts
 from .panel_parts import PartsOnMould
@@ -48,6 +49,10 @@ from .panel_parts import on_mould
 from .panel_parts import parts_of
 from .panel_seams import panel_seams
 from .panelling import Panel
+from .revolved_mould import RevolvedMould
+from .revolved_mould import closest_sizes
+from .revolved_mould import size_range
+from .shape_operators import principal_curvatures
 from .solved import solved_problem
 
 __all__ = ["moulds"]
@@ -56,6 +61,7 @@ K_TOLERANCE = 1e-9  # relative difference below which two curvatures count as eq
 MAX_GAP = 0.05  # gap relative to the mean edge length above which the surface does not have the K of the mould
 MIN_THICKNESS = 0.01  # of sheets, below which it is probably in other units [mm]
 ROTATIONS = 24  # rotations about the pole compared on a pseudosphere, before the best is refined
+SIZE_TOLERANCE = 1e-3  # of the logarithm of the radius of a mould of least bending
 ANGLE_TOLERANCE = 2e-3  # of the rotation of least bending [rad]
 
 
@@ -83,6 +89,7 @@ def moulds(
     thickness: float = 6.0,
     tolerance: float = 0.0,
     arc: Optional[bool] = None,
+    least_bending: bool = False,
     rough: bool = False,
 ) -> MouldReport:
     """Return the moulds on which panels can be made, and the fit of each panel.
@@ -105,6 +112,9 @@ def moulds(
         Largest gap with which panels of different K may share a mould [mm].
     arc
         Whether edges are arc lengths on the moulds. Default: whichever fits better.
+    least_bending
+        Whether to choose the mould of every K among more surfaces of revolution, so that bending is least: spindles and bulges besides
+        the sphere, and hyperboloids besides the pseudosphere. Default: sphere, plane and pseudosphere.
     rough
         Whether to accept a surface with the verdict rough.
 
@@ -154,7 +164,8 @@ def moulds(
     results: dict[str, PanelFit] = {}
     for K in sorted(groups, reverse=True):
         radius = max(piece.radius for piece in groups[K])
-        made.append(Mould(len(made) + 1, surface_for(K, radius), radius, len(groups[K])))
+        surface = _least_bending(groups[K], radius, operators) if least_bending else surface_for(K, radius)
+        made.append(Mould(len(made) + 1, surface, radius, len(groups[K])))
         for piece in groups[K]:
             results[piece.panel.name] = _fitted(piece, made[-1], operators, singular, stuff, thickness, unit)
     return MouldReport(
@@ -276,9 +287,9 @@ def _fitted(
 ) -> PanelFit:
     """Return the fit of a panel on its mould, rotated about the pole.
 
-    A pseudosphere is not isotropic: there the panel is rotated to the least mean square change of its curvature.
+    On a mould that is not isotropic it is rotated to the least mean square change of its curvature.
     """
-    K, vertices = mould.K, piece.parts.vertices
+    vertices = piece.parts.vertices
 
     def changes_at(angle: float) -> FloatArray:
         return _changes(mould.surface, piece, space_form.rotation(angle), operators) / unit
@@ -287,7 +298,7 @@ def _fitted(
         return 1e-6 * plate_stress(material, 1e-3 * thickness, changes).max(axis=1)
 
     angle = _heading(piece.there.on_form, vertices)
-    if K < 0.0:
+    if not mould.surface.isotropic:
         angle = _least_angle(lambda turn: float(np.square(changes_at(turn)).mean()))
     motion = space_form.rotation(angle)
     places = _places(piece, mould.surface, motion)
@@ -313,6 +324,54 @@ def _fitted(
     )
 
 
+def _least_bending(pieces: list[_Laid], radius: float, operators: FloatArray) -> MouldSurface:
+    """Return the mould on which the mean square change of curvature of panels of one K is least."""
+    K = pieces[0].laid.K
+    usual = surface_for(K, radius)
+    if K == 0.0:
+        return usual
+    areas = np.array([face_areas(piece.parts.vertices, piece.parts.faces).sum() for piece in pieces])
+
+    def change(surface: MouldSurface, piece: _Laid, turn: float) -> float:
+        return float(np.square(_changes(surface, piece, space_form.rotation(turn), operators)).mean())
+
+    def turns_on(surface: MouldSurface) -> list[float]:
+        """Return the rotation of least bending of every panel."""
+        if surface.isotropic:
+            return [0.0] * len(pieces)
+        return [_least_angle(lambda turn, piece=piece: change(surface, piece, turn)) for piece in pieces]  # type: ignore[misc]
+
+    def bending(surface: MouldSurface, turns: list[float]) -> float:
+        """Return the mean square change over all panels, infinite if a panel passes the edge of the mould [1/L^2]."""
+        total = float(areas @ [change(surface, piece, turn) for piece, turn in zip(pieces, turns)])
+        return total if math.isfinite(total) else math.inf
+
+    found: list[tuple[float, MouldSurface]] = [(bending(usual, turns_on(usual)), usual)]
+    for size in closest_sizes(K, radius, [_principal(piece, operators) for piece in pieces]):
+        turns = turns_on(RevolvedMould(K, size))
+        # Principal curvatures at the pole differ from those on the rest of a panel.
+        best = minimize_scalar(
+            lambda ratio, size=size, turns=turns: bending(RevolvedMould(K, size * math.exp(ratio)), turns),
+            bounds=size_range(K, radius, size),
+            method="bounded",
+            options={"xatol": SIZE_TOLERANCE},
+        )
+        found.append((float(best.fun), RevolvedMould(K, size * math.exp(float(best.x)))))
+    return min(found, key=lambda own: own[0])[1]
+
+
+def _principal(piece: _Laid, operators: FloatArray) -> FloatArray:
+    """Return the mean principal curvatures of a panel in position, the larger first (2,) [1/L]."""
+    V = piece.places
+    normals = np.cross(V[:, 1] - V[:, 0], V[:, 2] - V[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    side = -1.0 if piece.parts.turned else 1.0
+    mean = side * np.einsum("f,fij->ij", areas / areas.sum(), operators[piece.parts.own_faces].mean(axis=1))
+    normal = normals.sum(axis=0)
+    own = principal_curvatures(mean[None], normal[None] / np.linalg.norm(normal))
+    return np.array([own.larger[0], own.smaller[0]])
+
+
 def _least_angle(bending: Callable[[float], float]) -> float:
     """Return the angle of least bending; angles half a turn apart differ too. At some the panel may pass the edge of the mould."""
     step = 2.0 * np.pi / ROTATIONS
@@ -321,12 +380,12 @@ def _least_angle(bending: Callable[[float], float]) -> float:
     return float(found.x) if found.fun < bending(start) else start
 
 
-def _places(piece: _Laid, surface: Surface, motion: FloatArray) -> Vertices:
+def _places(piece: _Laid, surface: MouldSurface, motion: FloatArray) -> Vertices:
     """Return the vertices of a panel on its mould (p, 3) after a rotation about its pole.
 
-    Vertices on joints lie on the chords of whole faces; on a pseudosphere, which has no such chords, they lie on the surface.
+    Vertices on joints lie on the chords of whole faces on a sphere, and on the surface itself on other moulds.
     """
-    if surface.K < 0.0 or not piece.parts.cut:
+    if not surface.isotropic or not piece.parts.cut:
         return surface.places(space_form.turned(piece.there.on_form, motion))
     lifted = piece.there.lifted
     return space_form.lifted_places(np.column_stack([lifted[:, 0], lifted[:, 1:] @ motion[1:, 1:].T]), surface.K)
@@ -339,7 +398,7 @@ def _heading(points: FloatArray, there: FloatArray) -> float:
     return math.atan2(cross, np.einsum("ij,ij", here, away))
 
 
-def _changes(surface: Surface, piece: _Laid, motion: FloatArray, operators: FloatArray) -> FloatArray:
+def _changes(surface: MouldSurface, piece: _Laid, motion: FloatArray, operators: FloatArray) -> FloatArray:
     """Return the principal changes of curvature at the corners of the whole faces of a panel, from mould to position (m, 3, 2) [1/L]."""
     parts, laid = piece.parts, piece.laid
     corners = space_form.turned(laid.points, motion)[laid.faces]

@@ -53,7 +53,8 @@ NOTES = (
     "sides: along the outline, from each corner to the next; neighbours in the same order; edge: edge of the roof",
     "diagonals: straight distances between corners that are no neighbours, in the order 1-3, 1-4, ..., 2-4, ...",
     "mould radius: 1/sqrt|K|, the radius of a sphere, or of a pseudosphere for K < 0, at the middle of the thickness: the face of a mould "
-    "lies half a thickness beside it; the shape of a pseudosphere is in the .3dm or .step file of the moulds",
+    "lies half a thickness beside it; the shape of a pseudosphere, or of a spindle, bulge or hyperboloid of least bending, is in the .3dm "
+    "or .step file of the moulds",
     "bending stress: largest stress of bending from the mould into position; stress on 95 %: that 95 % of the area of the panel does not "
     "exceed; part of strength: of the latter, of the characteristic bending strength without safety factor; above 100 % the panel breaks",
     "panels have the size of the surface at the middle of their thickness and meet edge to edge: no joint is taken off, and no holes, "

@@ -17,6 +17,7 @@ __all__ = ["KINDS", "Revolution", "cosine_and_sine", "revolution"]
 EQUAL = 1e-12  # relative difference below which two radii or slopes count as equal
 MAX_SPANS = 4096
 QUADRATURE = np.polynomial.legendre.leggauss(16)
+FINE_QUADRATURE = np.polynomial.legendre.leggauss(32)  # over a whole meridian
 
 
 class Revolution(NamedTuple):
@@ -65,6 +66,13 @@ class Revolution(NamedTuple):
         places = 0.5 * (s[:-1] + s[1:])[:, None] + half[:, None] * x
         upright = np.sqrt(np.maximum(1.0 - self.slopes(places.ravel()) ** 2, 0.0)).reshape(places.shape)
         return np.concatenate([[0.0], np.cumsum(half * (upright @ w))])
+
+    def heights_at(self, s: FloatArray) -> FloatArray:
+        """Return the heights along the axis at arc lengths (n,), 0 at arc length 0 [L]; NaN where the surface has ended."""
+        x, w = FINE_QUADRATURE
+        with np.errstate(invalid="ignore"):
+            upright = np.sqrt(1.0 - self.slopes((0.5 * s[:, None] * (1.0 + x)).ravel()) ** 2).reshape(len(s), len(x))
+        return 0.5 * s * (upright @ w)
 
     def patch(self, ends: tuple[float, float], angles: tuple[float, float], tolerance: float) -> NurbsPatch:
         """Return the part of the surface between two arc lengths and two angles; its first end lies at height 0.

@@ -194,6 +194,12 @@ TASKS: dict[str, Task] = {
                     {**_LENGTH, "default": 0.0},
                     "MM",
                 ),
+                BuildOption(
+                    "least_bending",
+                    "choose moulds among spindles, bulges and hyperboloids too, so that panels bend least (default: no)",
+                    values.truth,
+                    {"type": "boolean", "default": False},
+                ),
                 _ROUGH,
             ),
             _mould,

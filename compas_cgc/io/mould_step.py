@@ -88,7 +88,7 @@ def panel_outline(chart: Chart, fit: PanelFit) -> list[FloatArray]:
 
 def _cap(occt: Any, mould: Mould, factor: float, pole: FloatArray) -> Any:
     patch = cap_patch(mould.surface, mould.radius).placed(pole, np.eye(3)).scaled(factor)
-    if mould.K >= 0.0:
+    if mould.surface.isotropic:
         return untrimmed_face(occt, patch)
     rim = factor * (cap_rim(mould.surface, mould.radius) + pole)
     half = len(rim) // 2

@@ -62,6 +62,23 @@ def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
     assert 0 < free_edges(shape, in_place) < sum(len(occt.shape_explore(face, EDGE)) for face in in_place) / 2
 
 
+@pytest.mark.parametrize(("sample", "size"), [("cushion", 3.0), ("canopy", 3.0)])
+def test_moulds_of_least_bending_are_faces_with_the_area_of_their_cap(sample, size, tmp_path):
+    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get(f"{sample}.3dm")), settings={"measure": "exact"})
+    report = moulds(result, panels(result, size), least_bending=True)
+    path = tmp_path / "moulds.step"
+    write_mould_files(path, result.problem, report)
+    names = re.findall(r"ADVANCED_FACE\('([^']*)'", path.read_text(encoding="utf-8"))
+    own = dict(zip(names, occt.shape_explore(occt.read_step(str(path)), FACE)))
+    (mould,) = report.moulds
+    assert mould.kind in ("spindle", "bulge", "hyperboloid") and all(map(occt.is_valid, own.values()))
+    root = np.sqrt(abs(mould.K))
+    cap = 2 * np.pi / mould.K * (1 - (np.cos if mould.K > 0 else np.cosh)(root * mould.radius))
+    assert area(own["mould 1"]) == pytest.approx(cap, rel=2e-3)
+    for fit in report.panels:
+        assert area(own[f"panel {fit.panel.name} on mould 1"]) == pytest.approx(face_areas(fit.on_mould, fit.faces).sum(), rel=5e-3)
+
+
 @pytest.mark.parametrize(
     ("kind", "K", "size", "ends"),
     [

@@ -100,10 +100,11 @@ def _draw_mould(writer: LayerWriter, place: MouldPlace, colour: tuple) -> None:
     radius = mould.radius_of_curvature
     figures = {"mould": str(mould.number), "K": repr(mould.K), "cap radius": repr(mould.radius), "panels": str(mould.panels)}
     figures.update({} if radius is None else {"radius of curvature": repr(radius)})
+    figures.update({"kind": mould.kind} if mould.size is None else {"kind": mould.kind, "size": repr(mould.size)})
     on_moulds = writer.layer(f"{MOULDS}::Moulds", (90, 90, 90))
     surface = cap_patch(mould.surface, mould.radius).placed(middle, np.eye(3))
     writer.archive.Objects.AddSurface(nurbs_surface(surface), writer.attributes(on_moulds, f"mould {mould.number}", figures))
-    if mould.K < 0.0:
+    if not mould.surface.isotropic:
         rim = cap_rim(mould.surface, mould.radius) + middle
         writer.polyline(rim, writer.attributes(on_moulds, f"rim of mould {mould.number}"))
     on_labels = writer.layer(f"{MOULDS}::Labels", (40, 40, 40))
