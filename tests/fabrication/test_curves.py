@@ -53,7 +53,7 @@ def test_asymptotic_curves_do_not_bend_in_the_normal_direction():
         assert np.abs(fall).max() < 0.1 * np.sqrt(-K)
 
 
-@pytest.mark.parametrize("stretch", [1.0, 1.5], ids=["15 x 15", "12 x 18"])
+@pytest.mark.parametrize("stretch", [1.0, pytest.param(1.5, marks=pytest.mark.nightly)], ids=["15 x 15", "12 x 18"])
 def test_the_net_of_a_saddle_solved_from_a_flat_start(stretch):
     vertices, faces = grid(24, 15.0)
     vertices = vertices * ([0.8, 1.2, 1.0] if stretch > 1.0 else 1.0)
@@ -74,7 +74,7 @@ def test_the_net_of_a_saddle_solved_from_a_flat_start(stretch):
     assert most < 0.05 * 0.01**0.5
 
 
-@pytest.mark.parametrize(("n", "seed"), [(14, 5), (24, 6)])
+@pytest.mark.parametrize(("n", "seed"), [(14, 5), pytest.param(24, 6, marks=pytest.mark.nightly)])
 def test_the_net_of_a_saddle_on_an_irregular_mesh_has_equal_sides(n, seed):
     """Directions there are off by some degrees, beside free edges by more, while lengths are not."""
     net = curve_net(solve(shaken_square(n, -0.01, 0.4, seed), method="projection"), 1.0)

@@ -53,7 +53,7 @@ DOMES = {
 }
 
 
-@pytest.fixture(scope="module", params=list(DOMES))
+@pytest.fixture(scope="module", params=["cushion", pytest.param("oval", marks=pytest.mark.nightly), "corners"])
 def quads(request):
     make, spacing = DOMES[request.param]
     return plane_quads(make(), spacing)
@@ -109,7 +109,15 @@ def test_a_cushion_has_four_nodes_of_five_sides(quads):
     assert (np.bincount(quads.edges.ravel())[quads.irregular] == 5).all()
 
 
-@pytest.mark.parametrize(("name", "irregular"), [("cylinder", True), ("unduloid", False), ("catenoid", False), ("Enneper", True)])
+@pytest.mark.parametrize(
+    ("name", "irregular"),
+    [
+        ("cylinder", True),
+        ("catenoid", False),
+        pytest.param("unduloid", False, marks=pytest.mark.nightly),
+        pytest.param("Enneper", True, marks=pytest.mark.nightly),
+    ],
+)
 def test_on_surfaces_of_constant_mean_curvature_quads_are_plane_squares(name, irregular):
     surface = SURFACES[name]()
     V, F, _ = surface.patch(24, irregular)
@@ -275,7 +283,7 @@ def test_the_command_writes_faces_and_beams(tmp_path):
     assert drawn.count("CGC Quads::Outlines") == drawn.count("CGC Quads::Numbers") == len(faces)
 
 
-@pytest.mark.parametrize("spacing", [0.8, 1.1])
+@pytest.mark.parametrize("spacing", [pytest.param(0.8, marks=pytest.mark.nightly), 1.1])
 def test_quads_of_a_fourfold_roof_are_fourfold(spacing):
     """Diagonals of the mesh run one way; without the means over images, corners differed by 41 to 85 mm."""
     vertices, faces = grid(20, 10.0)

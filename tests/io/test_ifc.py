@@ -25,7 +25,7 @@ def errors_in(model):
     return logger.statements
 
 
-@pytest.mark.parametrize(("sample", "size"), [("cushion", 2.0), ("canopy", 3.0)])
+@pytest.mark.parametrize(("sample", "size"), [pytest.param("cushion", 2.0, marks=pytest.mark.nightly), ("canopy", 3.0)])
 def test_every_panel_is_a_plate_with_its_data(sample, size, tmp_path):
     from ifcopenshell.util.element import get_aggregate
     from ifcopenshell.util.element import get_psets

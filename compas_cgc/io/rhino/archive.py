@@ -35,6 +35,8 @@ sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
 """
 
 
+# Address space of the trial [byte]: Python with rhino3dm takes 40 MB, and an intact file a multiple of its size.
+TRIAL_MEMORY, TRIAL_MEMORY_PER_BYTE = 400 << 20, 100
 MAX_NESTING = 20  # levels of nested blocks
 
 
@@ -216,7 +218,7 @@ def _check_in_child(path: Path) -> None:
     if not os.path.basename(sys.executable or "").lower().startswith(("python", "pypy")):
         return  # Inside Rhino the executable is Rhino.
     size = path.stat().st_size
-    command = [sys.executable, "-c", _TRIAL, str(path.resolve()), str((1 << 30) + 100 * size)]
+    command = [sys.executable, "-c", _TRIAL, str(path.resolve()), str(TRIAL_MEMORY + TRIAL_MEMORY_PER_BYTE * size)]
     try:
         done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=10.0 + size / 2e6)
     except subprocess.TimeoutExpired:

@@ -68,7 +68,7 @@ def problem(shape):
     "task, shape, settings, made",
     [
         ("mould", DOME, {"count": 4, "material": "timber"}, lambda own: moulds(own, divided(own, count=4), material="timber")),
-        ("unroll", CONE, {"sheet": "3000x1500mm", "rulings": 0.4}, lambda own: unroll(own, (3.0, 1.5), rulings=0.4)),
+        ("unroll", CONE, {"sheet": "6000x3000mm", "rulings": 0.4}, lambda own: unroll(own, (6.0, 3.0), rulings=0.4)),
         ("unroll", DOME, {"sheet": [3, 1.5], "strain": "0.2%"}, lambda own: unroll(own, (3.0, 1.5), strain=0.002)),
         ("membrane", DOME, {"pressure": -1.5}, lambda own: membrane(own, -1.5)),
         ("net", SADDLE, {"spacing": 1.0}, lambda own: curve_net(own, 1.0)),
@@ -90,7 +90,7 @@ def test_a_build_is_what_python_gives_as_arrays_and_as_files(client, task, shape
 
 def test_what_is_drawn_is_the_surface(client):
     vertices, faces, options = asked(CONE)
-    told = client.build("unroll", vertices, faces, settings={"sheet": "3.0x1.5"}, **options)
+    told = client.build("unroll", vertices, faces, settings={"sheet": "6.0x3.0"}, **options)
     place = told["in_place"]
     V, F = np.array(place["vertices"]), np.array(place["triangles"])
     assert np.linalg.norm(np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]), axis=1).sum() / 2 == pytest.approx(told["area"])
@@ -111,9 +111,9 @@ def test_what_is_drawn_is_the_surface(client):
 def test_sheets_have_margins_allowances_and_files_of_their_own(client):
     pytest.importorskip("shapely")
     vertices, faces, options = asked(CONE)
-    given = {"sheet": [3, 1.5], "spacing": 0, "margin": 0.02, "allowance": 0.03, "per_sheet": True}
+    given = {"sheet": [6, 3], "spacing": 0, "margin": 0.02, "allowance": 0.03, "per_sheet": True}
     told = client.build("unroll", vertices, faces, settings=given, **options)
-    made = unroll(problem(CONE), (3.0, 1.5), spacing=0.0, margin=0.02, allowance=0.03)
+    made = unroll(problem(CONE), (6.0, 3.0), spacing=0.0, margin=0.02, allowance=0.03)
     assert told["text"] == str(made) and "dxf" not in told["formats"]
     assert sum(line["layer"] == "CUT" for line in told["lines"]) == len(made.pieces)
     with zipfile.ZipFile(io.BytesIO(client.result(told["id"], "zip"))) as archive:

@@ -46,10 +46,10 @@ def problem(shape, K):
 @pytest.mark.parametrize("generation, comma", [(8, True), (2026, False)])
 def test_a_cone_is_laid_out_on_sheets(hops, generation, comma):
     shape = cone(6, 24)
-    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 3.0, "Width": 1.5}
+    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 6.0, "Width": 3.0}
     status, outputs, errors, warnings = hops("unroll", generation, comma).solve(**given)
     assert (status, errors, warnings) == (200, [], [])
-    patterns = unroll(problem(shape, 0.0), (3.0, 1.5))
+    patterns = unroll(problem(shape, 0.0), (6.0, 3.0))
     assert outputs["Labels"] == [piece.label for piece in patterns.pieces] and patterns.summary() in outputs["Info"][0]
     assert len(outputs["Outlines"]) == len(outputs["Pieces"]) == len(outputs["Places"]) == len(patterns.pieces)
     expected = [np.linalg.norm(own.points - np.roll(own.points, 1, axis=0), axis=1).sum() for p in patterns.pieces for own in p.loops]
@@ -78,9 +78,9 @@ def test_a_design_becomes_panels_on_few_moulds(hops):
 def test_sheets_have_margins_and_allowances(hops):
     pytest.importorskip("shapely")
     shape = cone(6, 24)
-    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 3.0, "Width": 1.5}
+    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 6.0, "Width": 3.0}
     status, outputs, errors, _ = hops("unroll").solve(**given, Margin=0.02, Allowance=0.03)
-    patterns = unroll(problem(shape, 0.0), (3.0, 1.5), margin=0.02, allowance=0.03)
+    patterns = unroll(problem(shape, 0.0), (6.0, 3.0), margin=0.02, allowance=0.03)
     assert (status, errors) == (200, []) and patterns.summary() in outputs["Info"][0]
     around = [np.linalg.norm(own - np.roll(own, 1, axis=0), axis=1).sum() for piece in patterns.pieces for own in piece.allowance]
     assert np.allclose(lengths(outputs["Allowances"]), around, rtol=1e-9)
@@ -90,9 +90,9 @@ def test_sheets_have_margins_and_allowances(hops):
 def test_the_cut_list_names_material_and_thickness_and_contours_lie_in_the_kerf(hops):
     pytest.importorskip("shapely")
     shape = cone(6, 24)
-    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 3.0, "Width": 1.5}
+    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 6.0, "Width": 3.0}
     status, outputs, errors, _ = hops("unroll").solve(**given, Kerf=0.004, Material="birch plywood", Thickness=9.0)
-    patterns = unroll(problem(shape, 0.0), (3.0, 1.5), kerf=0.004, material="birch plywood", thickness=9.0)
+    patterns = unroll(problem(shape, 0.0), (6.0, 3.0), kerf=0.004, material="birch plywood", thickness=9.0)
     assert (status, errors) == (200, []) and "material: birch plywood, 9 mm thick" in outputs["Info"][0]
     rows = list(csv.DictReader(outputs["CutList"]))
     assert {(row["material"], row["thickness in mm"]) for row in rows} == {("birch plywood", "9")}

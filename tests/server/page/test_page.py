@@ -64,6 +64,14 @@ def client():
     app.extensions["jobs"].close()
 
 
+@pytest.fixture(scope="module")
+def small():
+    """A client of a server that accepts few vertices."""
+    app = create_app(executor=ThreadPoolExecutor(1), limits=Limits(vertices=500))
+    yield app.test_client()
+    app.extensions["jobs"].close()
+
+
 def nine_regions(K=0.01, cells=3):
     """Nine squares of so many cells a side."""
     mesh = CGCMesh.from_meshgrid(dx=9, nx=3 * cells)
@@ -235,15 +243,14 @@ def test_constraints_of_a_file_are_handed_on():
     assert contents(mesh, [])["goals"] == mesh.attributes["goals"]
 
 
-def test_what_cannot_be_read_is_refused_with_a_sentence(make_client, tmp_path):
-    client = make_client(limits=Limits(vertices=50))
-    large = file_of(CGCMesh.from_meshgrid(dx=8, nx=8), "obj", tmp_path).read_bytes()
+def test_what_cannot_be_read_is_refused_with_a_sentence(small, tmp_path):
+    large = file_of(CGCMesh.from_meshgrid(dx=8, nx=24), "obj", tmp_path).read_bytes()
     cases = (("3dm", b"no file", 422), ("obj", b"v 0 0", 422), ("3dm", b"", 400), ("exe", b"x", 422), ("", b"x", 422), ("obj", large, 413))
     for kind, body, status in cases:
-        answer = client.post(f"/api/v1/models?kind={kind}", data=body)
+        answer = small.post(f"/api/v1/models?kind={kind}", data=body)
         assert answer.status_code == status and len(answer.json["message"]) > 20, (kind, body[:10], answer.json)
         assert "tmp" not in answer.json["message"] and "Traceback" not in answer.json["message"]
-    assert client.get("/api/v1/examples/../../secret").status_code == 404
+    assert small.get("/api/v1/examples/../../secret").status_code == 404
 
 
 def test_an_example_comes_back_as_the_problem_it_is(client):
@@ -319,8 +326,7 @@ def test_a_drawing_becomes_a_posed_problem(client):
         assert sorted({*outer, *alone["columns"]}) == alone["supports"]["file"] and any("by default" in note for note in alone["notes"])
 
 
-def test_drawings_that_make_no_mesh_are_refused_with_a_sentence(make_client):
-    client = make_client(limits=Limits(vertices=500))
+def test_drawings_that_make_no_mesh_are_refused_with_a_sentence(small):
     cases = (
         ({"edge_length": 0}, 422, "greater than zero"),
         ({"edge_length": 0.01}, 413, "increase the edge length"),
@@ -334,11 +340,11 @@ def test_drawings_that_make_no_mesh_are_refused_with_a_sentence(make_client):
         ({"oops": 1}, 422, "oops"),
     )
     for change, status, word in cases:
-        answer = client.post("/api/v1/drawings", json={**PLAN, **change})
+        answer = small.post("/api/v1/drawings", json={**PLAN, **change})
         assert answer.status_code == status and word in answer.json["message"], (change, answer.json)
-    assert client.post("/api/v1/drawings", json=[1]).status_code == 422
+    assert small.post("/api/v1/drawings", json=[1]).status_code == 422
     for text in ("0", "-1", "nan", "x"):
-        assert client.post(f"/api/v1/models?kind=obj&edge_length={text}", data=b"v 0 0 0").status_code == 422
+        assert small.post(f"/api/v1/models?kind=obj&edge_length={text}", data=b"v 0 0 0").status_code == 422
 
 
 def test_curves_of_a_file_are_meshed_with_the_edge_length_that_is_given(client, tmp_path):
