@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -78,6 +79,7 @@ def imports_of(path: Path) -> set:
     return found
 
 
+@cache
 def graph_of(folder: tuple) -> dict:
     """Return which parts of a folder of the package import which others."""
     depth = len(folder)
