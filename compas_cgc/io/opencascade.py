@@ -134,8 +134,9 @@ def _area(piece: Piece, fit: Fit, loop: list[int]) -> float:
 
 
 def _curve(occt: Any, points: FloatArray) -> Any:
-    """Return the interpolating curve of points (k, 3) with the domain 0 to 1."""
-    spline = make_interp_spline(np.linspace(0.0, 1.0, len(points)), points, k=min(CURVE_DEGREE, len(points) - 1))
+    """Return the interpolating curve of points (k, 3) with the domain 0 to 1, in proportion to the length of the chords."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    spline = make_interp_spline(along / along[-1], points, k=min(CURVE_DEGREE, len(points) - 1))
     knots, times = np.unique(spline.t, return_counts=True)
     return occt.nurbscurve_from_parameters(spline.c.tolist(), [1.0] * len(spline.c), knots.tolist(), times.tolist(), spline.k, False)
 

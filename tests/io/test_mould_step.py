@@ -22,6 +22,8 @@ from compas_cgc.io.opencascade import step_content
 from compas_cgc.io.opencascade import untrimmed_face
 from compas_cgc.rationalisation import SplineSurface
 
+from ..support.roofs import irregular_disk
+
 occt = pytest.importorskip("compas_occt._occt")
 FACE, EDGE = 4, 6
 
@@ -119,3 +121,21 @@ def test_the_command_writes_step_and_the_same_surface_gives_the_same_bytes(tmp_p
     problem = read_problem(solved, result=True).checked()
     write_mould_files(tmp_path / "other.step", problem, moulds(problem, panels(problem, 4.0)))
     assert (tmp_path / "one.step").read_bytes() == (tmp_path / "other.step").read_bytes()
+
+
+@pytest.mark.parametrize("size", [1.1, 1.6])
+def test_panels_along_a_closed_rim_are_valid_faces(size, tmp_path):
+    """Joints cross an irregular mesh at any distances, and panels along the rim pass the ends of its two curves."""
+    flat = irregular_disk(160, radius=4.0)
+    vertices = flat.vertices.copy()
+    vertices[:, 2] = np.sqrt(100.0 - (vertices[:, :2] ** 2).sum(axis=1)) - np.sqrt(84.0)
+    problem = flat.with_vertices(vertices)
+    report = moulds(problem, panels(problem, size), rough=True)
+    path = tmp_path / "moulds.step"
+    assert write_mould_files(path, problem, report) == []
+    names = re.findall(r"ADVANCED_FACE\('([^']*)'", path.read_text(encoding="utf-8"))
+    own = dict(zip(names, occt.shape_explore(occt.read_step(str(path)), FACE)))
+    assert all(map(occt.is_valid, own.values()))
+    for fit in report.panels:
+        # The rim is a smooth curve through the corners of the mesh.
+        assert area(own[f"panel {fit.panel.name} in place"]) == pytest.approx(face_areas(fit.vertices, fit.faces).sum(), rel=0.06)

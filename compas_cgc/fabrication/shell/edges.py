@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ class RegionEdge(NamedTuple):
     regions: tuple[int, ...]  # the region or the two regions beside it
 
 
-def region_edges(vertices: Vertices, faces: Faces, label: IntArray) -> list[RegionEdge]:
+def region_edges(vertices: Vertices, faces: Faces, label: IntArray, ends: Iterable[int] = ()) -> list[RegionEdge]:
     """Return the edges of all regions; a closed edge without corners is divided in two.
 
     Parameters
@@ -35,6 +36,8 @@ def region_edges(vertices: Vertices, faces: Faces, label: IntArray) -> list[Regi
         ``(m, 3)`` triangles.
     label
         ``(m,)`` region of every face.
+    ends
+        Further vertices at which edges end.
     """
     beside: dict[_Edge, list[int]] = {}
     for own, (a, b, c) in zip(label.tolist(), faces.tolist()):
@@ -46,6 +49,7 @@ def region_edges(vertices: Vertices, faces: Faces, label: IntArray) -> list[Regi
         for vertex in edge:
             at.setdefault(vertex, []).append(edge)
     nodes = {v for v, own in at.items() if len(own) != 2 or sides[own[0]] != sides[own[1]] or _turn(vertices, v, *own) > CORNER}
+    nodes.update(vertex for vertex in ends if vertex in at)
     left, edges = set(sides), []
     for vertex in sorted(nodes):
         for edge in at[vertex]:

@@ -18,6 +18,7 @@ from .fit import samples
 
 __all__ = ["panel_pieces"]
 
+JOINT_SPACING = 0.5  # least distance of the points of a smooth joint, in mesh edges
 DENSITY = 64  # points on the curve of a region's edge per given point, among which the nearest one is sought
 
 
@@ -38,7 +39,8 @@ def panel_pieces(problem: CGCProblem, fit: Fit, panels: list[Panel]) -> Fit:
         raise MeshError("panels in place are not written, because they do not cover the whole surface; use panels of all regions")
     region = np.array([panel.region for panel in panels])
     points = (vertices - fit.centre) / fit.scale
-    edges = region_edges(points, faces, owner)
+    # A closed rim has two edges; no edge of a panel passes their ends.
+    edges = region_edges(points, faces, owner, [end for edge in fit.edges for end in edge.path[[0, -1]].tolist()])
     lines = [_dense(curve) for curve in fit.curves]
     beside = [_region_edge(edge, region, points, fit, lines) for edge in edges]
     # Vertices of cut faces lie on chords of creases and rims, not on their curves.
@@ -46,11 +48,31 @@ def panel_pieces(problem: CGCProblem, fit: Fit, panels: list[Panel]) -> Fit:
         if k >= 0:
             points[edge.path] = lines[k][cKDTree(lines[k]).query(points[edge.path])[1]]
     curves = []
+    spacing = 0.0 if cut is None else JOINT_SPACING * _mean_edge(problem) / fit.scale
     for edge, k in zip(edges, beside):
         piece = fit.pieces[region[edge.regions[0]]] if k < 0 else fit.pieces[fit.edges[k].regions[0]]
-        line = samples(points[edge.path]) if k < 0 else _between(lines[k], points[edge.path])
+        line = samples(_spaced(points[edge.path], spacing)) if k < 0 else _between(lines[k], points[edge.path])
         curves.append(piece.lifted(piece.local(line)[:, :2]))
     return fit._replace(pieces=[fit.pieces[number] for number in region], edges=edges, curves=curves)
+
+
+def _mean_edge(problem: CGCProblem) -> float:
+    """Return the mean length of the sides of the mesh faces [L]."""
+    corners = problem.vertices[problem.faces]
+    return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
+
+
+def _spaced(points: FloatArray, spacing: float) -> FloatArray:
+    """Return points (k, 3) of a joint without those nearer than a spacing to the one before or to the last.
+
+    Joints cross mesh edges at any distances, and their ends move to the curves of rims and creases: points that are close together would
+    give a smooth curve sharp bends.
+    """
+    kept = [0]
+    for k in range(1, len(points) - 1):
+        if min(np.linalg.norm(points[k] - points[kept[-1]]), np.linalg.norm(points[-1] - points[k])) >= spacing:
+            kept.append(k)
+    return points[[*kept, len(points) - 1]]
 
 
 def _dense(curve: FloatArray) -> FloatArray:
