@@ -26,6 +26,7 @@ from ..meshing import vertex_labels
 from ..meshing.checks import listed
 from ..meshing.existence import plane_of
 from .bulging import two_sided_supports
+from .flat_edges import saddle_in_flat_edge
 from .goals.binding import unknown_regions
 from .goals.contradictions import goal_problems
 from .law_problems import law_problems
@@ -87,7 +88,8 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
         problems += _unit_problems(real) + _remarks(real) + _existence_problems(real) + _saddle_problems(real)
-        problems += [Diagnostic(said, fatal=False) for said in (*two_sided_supports(real), *twisted_edges(real))]
+        warnings = (*two_sided_supports(real), *twisted_edges(real), *saddle_in_flat_edge(real))
+        problems += [Diagnostic(said, fatal=False) for said in warnings]
     return problems
 
 

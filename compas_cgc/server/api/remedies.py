@@ -61,7 +61,7 @@ TEXTS: dict[str, Callable[[Any], str]] = {
     "supports": lambda _: "Support the whole edge",
     "release": lambda vertices: f"Free vertex {vertices[0]}",
     "targets": "Set K = {:g}".format,
-    "scale": lambda factor: "Halve K" if factor == HALF else f"Reduce K to {100.0 * factor:.2g} %",
+    "scale": lambda factor: {HALF: "Halve K", -1.0: "Reverse the sign of K"}.get(factor, f"Reduce K to {100.0 * factor:.2g} %"),
     "limit": lambda _: "Set the largest feasible K",
     "unknown": lambda _: "Let K be found",
     "without": lambda kind: f"Remove the {GOALS.get(kind, kind)}",

@@ -162,4 +162,4 @@ def _report(request: SolveRequest, result: SolveResult) -> dict:
         notes.insert(0, f"the surface is {report.verdict}")
     if result.converged and report.verdict.fair:
         return {"notes": notes, **report.to_dict()}
-    return {"notes": notes, "remedies": remedies_of(request.problem, result, notes), **report.to_dict()}
+    return {"notes": notes, "remedies": remedies_of(request.problem, result, check(request.problem)), **report.to_dict()}

@@ -93,6 +93,16 @@ def test_checks_name_supports_targets_and_normals():
     assert {"flip": True} in changes(remedies_in(check(mesh)))
 
 
+def test_a_saddle_within_a_flat_edge_becomes_a_dome():
+    problem = square(-0.01).to_problem()
+    assert {"scale": -1.0} in changes(remedies_in(check(problem)))
+    # A part of K cannot be met either, so that none is searched for.
+    found = changes(remedies_of(problem, solve(problem), check(problem)))
+    assert {"scale": -1.0} in found and {"limit": True} not in found and {"scale": 0.5} not in found
+    assert solve(problem.with_targets(-problem.targets)).verdict.fair
+    assert remedies_in(check(square(-0.01, "corners"))) == []
+
+
 def test_goals_that_contradict_supports_are_freed_or_removed():
     mesh = square(0.005, "boundary", 4)
     mesh.set_goals([Height([0], 1.0)])
