@@ -56,7 +56,7 @@ _HEAD = (
 
 
 def schedule_text(schedule: LathSchedule) -> str:
-    """Return the schedule as CSV: one row per node of every lath, with the conventions as notes in the last column."""
+    """Return the schedule as CSV: one row per node of every lath, or for a lath without any, with conventions as notes in a last column."""
     return csv_text(_HEAD, (row for lath in schedule.laths for row in _rows(lath, schedule)), _notes(schedule))
 
 
@@ -73,6 +73,8 @@ def _rows(lath: Lath, schedule: LathSchedule) -> list[tuple]:
         "right-handed" if lath.twist > 0.0 else "left-handed",
         " ".join(f"{mm * at:.1f}" for at in lath.splices),
     )
+    if not len(lath.nodes):
+        return [(*about, "", "0.0", *[""] * 6, *(f"{mm * value:.1f}" for value in lath.path[0]))]
     rows = []
     places = zip(lath.nodes.tolist(), lath.stations.tolist(), lath.across.tolist(), np.degrees(lath.angles).tolist())
     bends = zip(lath.bending.tolist(), (mm * lath.points).tolist())
@@ -93,6 +95,8 @@ def _notes(schedule: LathSchedule) -> list[str]:
     """Return the conventions of the schedule and the drawing."""
     near = [f"L{lath.number} at node {node}" for lath in schedule.laths for node in _near_ends(lath, schedule)]
     ends = [f"nodes closer than the width to an end, where the rest of the lath may break off: {', '.join(near)}"] if near else []
+    alone = [f"L{lath.number} ({1e3 * schedule.unit * lath.length:.0f} mm)" for lath in schedule.laths if not len(lath.nodes)]
+    single = [f"laths that cross no other lath, with the place of station 0 instead of nodes: {', '.join(alone)}"] if alone else []
     first, second = (_numbers([lath.number for lath in schedule.laths if lath.family == family]) for family in (0, 1))
     stock = f"of at most {1e3 * schedule.unit * schedule.stock:.1f} mm " if schedule.stock else ""
     return [
@@ -109,6 +113,7 @@ def _notes(schedule: LathSchedule) -> list[str]:
         "from the outside: lay family 1 first, then set family 0 on it; no holes or bolts are included",
         f"family 0: {first}; family 1: {second}",
         *ends,
+        *single,
         "stress: bending and stretch of the outer fibres by twisting; shear: by twisting; without loads and safety factors",
         f"splices: stations at which stock lengths {stock}meet end to end; no overlap or plate is included",
     ]

@@ -13,6 +13,7 @@ from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication.drawing import LETTER_WIDTH
+from compas_cgc.fabrication.lath_files import schedule_text
 from compas_cgc.fabrication.laths import lath_schedule
 from compas_cgc.io.nets import write_net
 
@@ -235,3 +236,16 @@ def test_laths_need_asymptotic_curves_and_a_section(net):
         lath_schedule(dome)
     with pytest.raises(CGCError, match="the thickness of laths must be a positive number"):
         lath_schedule(net, thickness=0.0)
+
+
+def test_laths_that_cross_no_other_are_in_the_table_and_named(net):
+    schedule = lath_schedule(net)
+    none, empty = np.zeros(0, np.int64), np.zeros(0)
+    first = schedule.laths[0]
+    alone = first._replace(nodes=none, stations=empty, across=none, angles=empty, bending=empty, points=np.zeros((0, 3)))
+    rows = list(csv.DictReader(schedule_text(schedule._replace(laths=[alone, *schedule.laths[1:]])).splitlines()))
+    assert {row["lath"] for row in rows} == {str(lath.number) for lath in schedule.laths}
+    (own,) = (row for row in rows if row["lath"] == str(alone.number))
+    assert own["node"] == "" and float(own["length in mm"]) == pytest.approx(1e3 * alone.length, abs=0.06)
+    assert [float(own[f"{axis} in mm"]) for axis in "xyz"] == pytest.approx(1e3 * alone.path[0], abs=0.06)
+    assert f"L{alone.number} ({1e3 * alone.length:.0f} mm)" in " ".join(row["notes"] for row in rows)
