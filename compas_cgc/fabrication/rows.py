@@ -131,15 +131,17 @@ def _best(outline: Any, box: Box, room: tuple[float, float], spacing: float, sho
     axes = [np.cos(turn) * box.along + np.sin(turn) * np.array([-box.along[1], box.along[0]]) for turn in turns]
     tried: list[_Tried] = []
     parts = 0
-    for (direction, offset), fill in itertools.product(itertools.product(axes, OFFSETS), FILLS):
+    for direction, offset in itertools.product(axes, OFFSETS):
         if parts > MAX_PARTS:
             break
-        rows = _Rows(direction, offset, fill)
-        if fill == FILLS[0]:
-            bands = _bands(outline, rows, room)
-        cells = _cells(bands, rows, room)
-        tried.append(_Tried(rows, cells, _sheets(cells.sizes, room, spacing)))
-        parts += len(cells.sizes)
+        bands = _bands(outline, _Rows(direction, offset, FILLS[0]), room)
+        for fill in FILLS:
+            if parts > MAX_PARTS:
+                break
+            rows = _Rows(direction, offset, fill)
+            cells = _cells(bands, rows, room)
+            tried.append(_Tried(rows, cells, _sheets(cells.sizes, room, spacing)))
+            parts += len(cells.sizes)
     tried.sort(key=_Tried.key)
     # Rectangles rotated to fit each part need fewer sheets, and more time.
     closer = [own._replace(sheets=_sheets(_rotated(own.cells, room, fixed), room, spacing)) for own in tried[:SHORT_LIST]]
