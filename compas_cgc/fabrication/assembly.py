@@ -124,8 +124,8 @@ def draw_plan(patterns: Patterns) -> Drawing:
         loops = [plan[loop.nodes] for loop in piece.loops]
         lines += [Line("OUTLINE", loop, True) for loop in loops]
         # Pieces in upright position have no area in plan.
-        places = inside(loops)
-        place, room = roomiest(places if len(places) else plan[own.faces[own.piece == number]].mean(axis=1), loops)
+        free = inside(loops)
+        place, room = roomiest(free if len(free) else plan[own.faces[own.piece == number]].mean(axis=1), loops)
         name = f"{piece.label} ({course})"
         texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER_WIDTH * len(name))))))
     boxes = [text_box(own.text, own.place, own.height) for own in texts]
