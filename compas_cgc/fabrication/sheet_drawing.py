@@ -130,7 +130,9 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         lines += [Line("OUTLINE", loop.points + origin, True) for loop in (piece.loops if piece.allowance else [])]
         lines += _fold_lines(patterns, number, is_fold, origin)
         loops = [loop.points for loop in piece.loops]
-        place, room = roomiest(inside(loops), loops)
+        free = inside(loops)
+        # Needles may lie between the points of the grid.
+        place, room = roomiest(free if len(free) else patterns.patchwork.plane[patterns.patchwork.piece == number].mean(axis=1), loops)
         # The circle of free room around the label contains its corners.
         half = 0.5 * np.hypot(LETTER_WIDTH * len(piece.label), 1.0)
         label = Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.95 * room / half)))

@@ -552,6 +552,8 @@ def test_sharp_corners_and_pieces_on_the_edge_of_a_sheet_are_named(cut):
     # Contours in the middle of the kerf are bevelled at sharp corners.
     sawn = unroll(CGCProblem(needle, np.array([[0, 1, 2]])).with_targets(0.0), (4.0, 4.0), rough=True, kerf=0.002)
     assert f"A1 ({angle:.1f})" in sawn.summary()
+    thin = unroll(CGCProblem(needle * [1.0, 0.05, 1.0], np.array([[0, 1, 2]])).with_targets(0.0), (4.0, 4.0), rough=True)
+    assert [text.text for text in draw_sheets(thin).texts if text.layer == "LABEL"] == ["A1"]
     assert "corners sharper" not in cut.summary() or min(np.degrees(sharpest_corner(piece)) for piece in cut.pieces) < 15.0
     assert "lie on the edge of their sheet" in cut.summary() and "yes" in {row[-5] for row in cut_list(cut)}
     free = unroll(vault(8), SHEET, rough=True, regions=[0], margin=0.01, rulings=0)
