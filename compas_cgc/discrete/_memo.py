@@ -25,7 +25,7 @@ __all__ = ["remembered", "remembering"]
 MAX_BYTES = (
     2_000_000  # bytes of arguments above which a result is kept during a solve only: a mesh of 20,000 vertices with roles and creases
 )
-MAX_TOTAL_BYTES = 4_000_000  # bytes of the arguments of all results kept for a function
+TOTAL = 2  # bytes of the arguments of all results kept for a function, against those of one
 MAX_RESULTS = 8  # results kept for each function
 MAX_SOLVE_BYTES = 20_000_000  # bytes of arguments above which nothing is kept during a solve either, to save memory
 
@@ -55,10 +55,11 @@ def remembering() -> Iterator[None]:
         _of_solve.kept, _of_solve.seen = None, []
 
 
-def remembered(function: Function, recent: int = MAX_RESULTS) -> Function:
+def remembered(function: Function, recent: int = MAX_RESULTS, largest: int = MAX_BYTES) -> Function:
     """Return a function that caches its last results; they may depend on its arguments only, arrays and numbers.
 
-    Arrays in results are copied, so that the caller may change them.
+    Arrays in results are copied, so that the caller may change them. Of arguments with more bytes than the `largest` they are kept during
+    a solve only.
     """
     kept: OrderedDict[tuple, Any] = OrderedDict()
     sizes: dict[tuple, int] = {}
@@ -67,7 +68,7 @@ def remembered(function: Function, recent: int = MAX_RESULTS) -> Function:
     @wraps(function)
     def called(*args: Any) -> Any:
         size = sum(own.nbytes for own in args if isinstance(own, np.ndarray))
-        if size > MAX_BYTES:
+        if size > largest:
             return _large(function, size, args)
         key = tuple((own.dtype.char, own.shape, own.tobytes()) if isinstance(own, np.ndarray) else own for own in args)
         with lock:
@@ -78,7 +79,7 @@ def remembered(function: Function, recent: int = MAX_RESULTS) -> Function:
             found = (function(*args),)
             with lock:
                 kept[key], sizes[key] = found, size
-                while len(kept) > recent or sum(sizes.values()) > MAX_TOTAL_BYTES:
+                while len(kept) > recent or sum(sizes.values()) > TOTAL * largest:
                     del sizes[kept.popitem(last=False)[0]]
         return _copied(found[0])
 

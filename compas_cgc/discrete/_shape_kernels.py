@@ -6,6 +6,7 @@ import math
 
 from .._compiled import kernel
 from ._taylor import ROW
+from ._taylor import Orders
 from ._taylor import add_product
 from ._taylor import compose
 from ._taylor import multiply
@@ -25,7 +26,7 @@ ROWS, PARTS = 50, 22
 
 
 @kernel(inner=True)
-def _expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, f: int, W: FloatArray) -> None:
+def _expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, f: int, W: FloatArray, orders: Orders) -> None:
     """Expand what a face contributes, as functions of the moves of its corners along their directions.
 
     Rows from TURN (3): angle of the reference direction of each edge, from the normal outwards. Rows from TENSOR (18): of each edge
@@ -42,55 +43,55 @@ def _expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, f: i
             W[EDGE + 3 * k + x, 1 + (k + 2) % 3] = U[q, x]
     for x in range(3):
         y, z = (x + 1) % 3, (x + 2) % 3
-        add_product(W, 1.0, EDGE + y, EDGE + 3 + z, CROSS + x)
-        add_product(W, -1.0, EDGE + z, EDGE + 3 + y, CROSS + x)
+        add_product(W, orders, 1.0, EDGE + y, EDGE + 3 + z, CROSS + x)
+        add_product(W, orders, -1.0, EDGE + z, EDGE + 3 + y, CROSS + x)
     for x in range(3):
-        add_product(W, 1.0, CROSS + x, CROSS + x, SQUARE)
+        add_product(W, orders, 1.0, CROSS + x, CROSS + x, SQUARE)
     q = W[SQUARE, 0]
     root = math.sqrt(q)
-    compose(W, 0.5 * root, 0.25 / root, -0.125 / (q * root), SQUARE, AREA)
-    compose(W, 1.0 / root, -0.5 / (q * root), 0.75 / (q * q * root), SQUARE, ROOT)
+    compose(W, orders, 0.5 * root, 0.25 / root, -0.125 / (q * root), SQUARE, AREA)
+    compose(W, orders, 1.0 / root, -0.5 / (q * root), 0.75 / (q * q * root), SQUARE, ROOT)
     for k in range(3):
         edge, at = EDGE + 3 * k, index[f, k]
         for row in range(SIDE, TURN):
-            for x in range(ROW):
+            for x in range(len(orders)):
                 W[row, x] = 0.0
         for x in range(3):
             y, z = (x + 1) % 3, (x + 2) % 3
-            add_product(W, 1.0, edge + y, CROSS + z, SIDE + x)
-            add_product(W, -1.0, edge + z, CROSS + y, SIDE + x)
-            add_product(W, 1.0, edge + x, edge + x, LENGTH2)
-        for x in range(ROW):
+            add_product(W, orders, 1.0, edge + y, CROSS + z, SIDE + x)
+            add_product(W, orders, -1.0, edge + z, CROSS + y, SIDE + x)
+            add_product(W, orders, 1.0, edge + x, edge + x, LENGTH2)
+        for x in range(len(orders)):
             for y in range(3):
                 W[ALONG, x] += R[at, y] * W[SIDE + y, x]
                 W[SPARE, x] = W[SPARE, x] + R[at, y] * W[CROSS + y, x] if y else R[at, y] * W[CROSS + y, x]
         l2 = W[LENGTH2, 0]
         l = math.sqrt(l2)
-        compose(W, l, 0.5 / l, -0.25 / (l * l2), LENGTH2, LENGTH)
-        multiply(W, LENGTH, SPARE, ACROSS)
+        compose(W, orders, l, 0.5 / l, -0.25 / (l * l2), LENGTH2, LENGTH)
+        multiply(W, orders, LENGTH, SPARE, ACROSS)
         x0, y0 = W[ACROSS, 0], W[ALONG, 0]
-        compose(W, 1.0 / x0, -1.0 / (x0 * x0), 2.0 / (x0 * x0 * x0), ACROSS, SPARE)
-        multiply(W, ALONG, SPARE, TANGENT)
+        compose(W, orders, 1.0 / x0, -1.0 / (x0 * x0), 2.0 / (x0 * x0 * x0), ACROSS, SPARE)
+        multiply(W, orders, ALONG, SPARE, TANGENT)
         slope = 1.0 / (1.0 + W[TANGENT, 0] * W[TANGENT, 0])
-        compose(W, math.atan2(y0, x0), slope, -2.0 * W[TANGENT, 0] * slope * slope, TANGENT, TURN + k)
+        compose(W, orders, math.atan2(y0, x0), slope, -2.0 * W[TANGENT, 0] * slope * slope, TANGENT, TURN + k)
         quarter = math.sqrt(l)
-        compose(W, 1.0 / quarter, -0.25 / (l2 * quarter), 0.3125 / (l2 * l2 * quarter), LENGTH2, SPARE)
-        multiply(W, SPARE, ROOT, SCALE)
+        compose(W, orders, 1.0 / quarter, -0.25 / (l2 * quarter), 0.3125 / (l2 * l2 * quarter), LENGTH2, SPARE)
+        multiply(W, orders, SPARE, ROOT, SCALE)
         for x in range(3):
-            multiply(W, SIDE + x, SCALE, UNIT + x)
+            multiply(W, orders, SIDE + x, SCALE, UNIT + x)
         entry = TENSOR + 6 * k
         for x in range(3):
             for y in range(x, 3):
-                multiply(W, UNIT + x, UNIT + y, entry)
+                multiply(W, orders, UNIT + x, UNIT + y, entry)
                 entry += 1
 
 
 @kernel()
-def expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, W: FloatArray, out: FloatArray) -> None:
-    """Write what every face contributes into `out` (m, 22, 10): three angles, three tensors of six entries, and its area."""
+def expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, W: FloatArray, orders: Orders, out: FloatArray) -> None:
+    """Write what every face contributes into `out` (m, 22, 1, 4 or 10): three angles, three tensors of six entries, and its area."""
     for f in range(F.shape[0]):
-        _expand(V, F, U, R, index, f, W)
-        for x in range(ROW):
+        _expand(V, F, U, R, index, f, W, orders)
+        for x in range(len(orders)):
             for k in range(PARTS - 1):
                 out[f, k, x] = W[TURN + k, x]
             out[f, PARTS - 1, x] = W[AREA, x]

@@ -126,7 +126,7 @@ def _most_even_angles(mesh: MidEdgeMesh, flat: ShapeOperators, vertices: Vertice
     count = len(mesh.angles.ends)
     inverse = sparse.diags(1.0 / flat.areas)
     uneven = (inverse @ _unevenness(mesh, flat.areas, vertices, normals) @ inverse).tocsr()
-    index, slopes = mesh.angles.of_faces, flat.tensor_slopes[:, :, 3:]
+    index, slopes = mesh.angles.of_faces, flat.angle_slopes
     rows = 6 * len(index)
     by_angles = sparse.csr_matrix((slopes.ravel(), np.repeat(index, 6, axis=0).ravel(), np.arange(0, 3 * rows + 1, 3)), shape=(rows, count))
     onto_angles = by_angles.T.tocsr()

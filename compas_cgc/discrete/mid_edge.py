@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple
 from typing import Optional
@@ -12,7 +13,9 @@ from scipy import sparse
 from ._shape_kernels import PARTS
 from ._shape_kernels import ROWS
 from ._shape_kernels import expand
+from ._taylor import FIRST
 from ._taylor import ROW
+from ._taylor import VALUE
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
@@ -20,7 +23,7 @@ from .arrays import Vectors
 from .arrays import Vertices
 from .topology import edge_faces
 
-__all__ = ["OCCURRENCES", "TRACE", "Curvatures", "EdgeAngles", "MidEdgeMesh", "ShapeOperators", "determinants", "edge_angles"]
+__all__ = ["OCCURRENCES", "ROW", "TRACE", "Curvatures", "EdgeAngles", "MidEdgeMesh", "ShapeOperators", "determinants", "edge_angles"]
 
 # Packed symmetric matrices are xx, xy, xz, yy, yz, zz: how often each entry occurs, and which are on the diagonal.
 OCCURRENCES = np.array([1.0, 2.0, 2.0, 1.0, 2.0, 1.0])
@@ -59,41 +62,70 @@ class ShapeOperators:
 
     Parameters
     ----------
-    parts
-        ``(m, 22, 10)`` of :func:`expand`.
+    expanded
+        Returns the rows (m, 22, k) of :func:`expand` for their number k: 1, or 4 and 10 with derivatives, which are computed when they
+        are asked for.
     sign
         ``(m, 3)`` of the angles.
     turned
         ``(m, 3)`` angles from the reference directions [rad], in the sense of each face.
     """
 
-    def __init__(self, parts: FloatArray, sign: FloatArray, turned: FloatArray):
-        self._angle, self._tensor, self._area = parts[:, :3].copy(), parts[:, 3:-1].reshape(-1, 3, 6, ROW), parts[:, -1]
-        self._angle[:, :, 0] += turned
-        self._sign = sign
+    def __init__(self, expanded: Callable[[int], FloatArray], sign: FloatArray, turned: FloatArray):
+        self._expanded, self._sign, self._turned = expanded, sign, turned
+        self._rows = self._with_angles(VALUE)
         self.areas: FloatArray = self._area[:, 0].copy()  # (m,) [L^2]
         self.tensors: FloatArray = np.einsum("mk,mke->me", self._angle[:, :, 0], self._tensor[..., 0])  # times the areas (m, 6) [L]
+
+    def up_to(self, count: int) -> ShapeOperators:
+        """Return the same with a number of rows computed, so that lower derivatives that are asked for first are not computed twice."""
+        if self._rows.shape[2] < count:
+            self._rows = self._with_angles(count)
+        return self
+
+    def _with_angles(self, count: int) -> FloatArray:
+        rows = self._expanded(count)
+        rows[:, :3, 0] += self._turned
+        return rows
+
+    @property
+    def _angle(self) -> FloatArray:
+        return self._rows[:, :3]
+
+    @property
+    def _tensor(self) -> FloatArray:
+        return self._rows[:, 3:-1].reshape(-1, 3, 6, self._rows.shape[2])
+
+    @property
+    def _area(self) -> FloatArray:
+        return self._rows[:, -1]
 
     @property
     def bending(self) -> FloatArray:
         """Integral of the sum of the squared principal curvatures over each face (m,)."""
         return np.asarray(self.tensors**2 @ OCCURRENCES / self.areas)
 
+    @property
+    def angle_slopes(self) -> FloatArray:
+        """Derivatives of the tensors by the angles (m, 6, 3)."""
+        return np.asarray(self._sign[:, None] * self._tensor[..., 0].transpose(0, 2, 1))
+
     @cached_property
     def tensor_slopes(self) -> FloatArray:
         """Derivatives of the tensors (m, 6, 6)."""
+        self.up_to(FIRST)
         phi, B = self._angle, self._tensor
         moves = np.einsum("mk,mkex->mex", phi[:, :, 0], B[..., 1:4]) + np.einsum("mkx,mke->mex", phi[:, :, 1:4], B[..., 0])
-        turns = self._sign[:, None] * B[..., 0].transpose(0, 2, 1)
-        return np.concatenate([moves, turns], axis=2)
+        return np.concatenate([moves, self.angle_slopes], axis=2)
 
     @property
     def area_slopes(self) -> FloatArray:
         """Derivatives of the areas by the moves (m, 3)."""
-        return self._area[:, 1:4]
+        return self.up_to(FIRST)._area[:, 1:4]
 
     def second_derivatives(self, by_tensors: FloatArray, by_areas: FloatArray) -> FloatArray:
         """Return the second derivatives (m, 6, 6) of the sum of tensors times weights (m, 6), and areas times weights (m,)."""
+        self.up_to(ROW)
         weighed = np.einsum("me,mkex->mkx", by_tensors, self._tensor)
         value, slope = weighed[..., 0], weighed[..., 1:4]
         mixed = np.einsum("mki,mkj->mij", self._angle[..., 1:4], slope)
@@ -154,9 +186,14 @@ class MidEdgeMesh:
 
     def at(self, vertices: Vertices, angles: FloatArray) -> ShapeOperators:
         """Return the shape operators for vertices (n, 3) [L] and angles (a,) [rad]."""
-        own, parts = self.angles, np.empty((len(self.faces), PARTS, ROW))
-        expand(vertices, self.faces, self.directions, self.references, own.of_faces, np.empty((ROWS, ROW)), parts)
-        return ShapeOperators(parts, own.sign, own.sign * angles[own.of_faces])
+        own = self.angles
+
+        def expanded(count: int) -> FloatArray:
+            parts = np.empty((len(self.faces), PARTS, count))
+            expand(vertices, self.faces, self.directions, self.references, own.of_faces, np.empty((ROWS, ROW)), (True,) * count, parts)
+            return parts
+
+        return ShapeOperators(expanded, own.sign, own.sign * angles[own.of_faces])
 
     def averages(self, operators: ShapeOperators) -> Curvatures:
         """Return the averages over every pair."""

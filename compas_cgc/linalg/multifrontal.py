@@ -14,6 +14,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from . import _fronts
 from .errors import SingularMatrixError
+from .ordering import MATRIX_BYTES
 from .ordering import elimination_order
 from .ordering import has_pattern
 
@@ -94,8 +95,7 @@ class _Tree(NamedTuple):
     most_waiting: int  # most entries that wait for fronts above
 
 
-@remembered
-def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[Indices, _Tree]:
+def _analyse(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[Indices, _Tree]:
     """Return the order (n,) of elimination with subtrees in one piece, and the fronts of a matrix."""
     n = len(order)
     pattern = sparse.csr_matrix((np.ones(len(indices), bool), indices, indptr), shape=(n, n))
@@ -129,6 +129,9 @@ def _analysed(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[
         int(widths.max(initial=0)),
         _most_waiting(above, below),
     )
+
+
+_analysed = remembered(_analyse, largest=MATRIX_BYTES)
 
 
 def _halves(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:

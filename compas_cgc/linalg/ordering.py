@@ -17,9 +17,11 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 
-__all__ = ["elimination_order", "has_pattern", "minimum_degree", "nested_dissection"]
+__all__ = ["MATRIX_BYTES", "elimination_order", "has_pattern", "minimum_degree", "nested_dissection"]
 
 DISSECT_FROM = 3000  # unknowns; below, minimum degree is as good, and compiled in SciPy
+
+MATRIX_BYTES = 8_000_000  # of the sparsity of a matrix and the places of its unknowns, for a mesh of some 8,000 vertices
 
 LANDMARKS = 3
 MIN_EXTENT = 0.3  # relative to the largest extent; shorter directions are not cut
@@ -91,11 +93,18 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
     >>> sorted(nested_dissection(path).tolist())
     [0, 1, 2, 3, 4, 5, 6, 7, 8]
     """
-    places = _distances(matrix.indptr, matrix.indices)
-    if points is not None and len(points):
+    return _nested_dissection(matrix.indptr, matrix.indices, np.zeros((0, 0)) if points is None else points, leaf)
+
+
+def _dissected(indptr: CSRIndices, indices: CSRIndices, points: FloatArray, leaf: int) -> Indices:
+    places = _distances(indptr, indices)
+    if len(points):
         own = np.transpose(points) * (np.ptp(places) / (np.ptp(points, axis=0).max() or 1.0))
         places = np.vstack([places, own])
-    return _dissect(matrix.indptr, matrix.indices, places, leaf)
+    return _dissect(indptr, indices, places, leaf)
+
+
+_nested_dissection = remembered(_dissected, largest=MATRIX_BYTES)
 
 
 @kernel()

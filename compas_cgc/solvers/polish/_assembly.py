@@ -1,12 +1,15 @@
-"""Compiled sums of what the faces of a cell and its equation contribute to the second derivatives."""
+"""Compiled sums of what the faces of a cell and its equation contribute to the second derivatives, and where they are stored."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..._compiled import kernel
+from ...discrete.arrays import CSRIndices
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 
-__all__ = ["add_cells"]
+__all__ = ["add_cells", "slots"]
 
 
 @kernel()
@@ -100,3 +103,25 @@ def add_cells(
                 if at >= 0:
                     convex_data[at] += C[p, q]
                     curved_data[at] += H[p, q]
+
+
+@kernel()
+def slots(indptr: CSRIndices, indices: CSRIndices, rows: IntArray, columns: IntArray) -> IntArray:
+    """Return where a sparse matrix stores the entries of rows (g, a) and columns (g, b) of cells (g, a, b), -1 for none."""
+    found = np.full((rows.shape[0], rows.shape[1], columns.shape[1]), -1)
+    for g in range(rows.shape[0]):
+        for i in range(rows.shape[1]):
+            r = rows[g, i]
+            if r >= 0:
+                for j in range(columns.shape[1]):
+                    c = columns[g, j]
+                    low, high = indptr[r], indptr[r + 1]
+                    while high - low > 1:
+                        middle = (low + high) // 2
+                        if indices[middle] <= c:
+                            low = middle
+                        else:
+                            high = middle
+                    if c >= 0:
+                        found[g, i, j] = low
+    return found

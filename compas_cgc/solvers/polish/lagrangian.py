@@ -17,6 +17,7 @@ from ...discrete.arrays import Mask
 from ...discrete.measured_curvature import LEAST_FACES
 from ...discrete.measured_curvature import linear_residuals
 from ...discrete.mid_edge import OCCURRENCES
+from ...discrete.mid_edge import ROW
 from ...discrete.mid_edge import TRACE
 from ...discrete.mid_edge import MidEdgeMesh
 from ...discrete.mid_edge import ShapeOperators
@@ -24,6 +25,7 @@ from ...discrete.mid_edge import determinants
 from ...model.laws import ConstantCurvature
 from ...model.laws import Piecewise
 from ._assembly import add_cells
+from ._assembly import slots
 
 __all__ = ["Lagrangian", "Model", "State"]
 
@@ -232,7 +234,7 @@ class Lagrangian:
 
     def model(self, state: State, multipliers: FloatArray) -> Model:
         """Return the Lagrangian to second order for multipliers (r,)."""
-        own = state.operators
+        own = state.operators.up_to(ROW)
         A, S = own.areas, own.tensors / own.areas[:, None]
         bent, uneven, stretched = self._stresses(own)
         by_tensor, by_area = bent + uneven, -own.bending / A - stretched
@@ -318,27 +320,16 @@ class _Pattern:
         for group, unknowns in _groups(mesh, equation):
             self.groups.append(group)
             cells.append(reduced[unknowns])
-        diagonal = np.arange(q + r)
         folds = reduced[lagrangian.fold_terms(np.zeros(mesh.unknowns))[1]]
-        within = [_keys(cell[:, :, None], cell[:, None, :], self.size) for cell in cells]
-        multiplier = [np.where(group.row >= 0, q + group.row, -1)[:, None] for group in self.groups]
-        rows = [_keys(one, cell, self.size) for one, cell in zip(multiplier, cells)]
-        columns = [_keys(cell, one, self.size) for one, cell in zip(multiplier, cells)]
-        fold = _keys(folds[:, [0, 1, 0, 1]], folds[:, [0, 1, 1, 0]], self.size)
-        parts = [diagonal * (self.size + 1), fold, *within, *rows, *columns]
-        keys, slots = np.unique(np.concatenate([part.ravel() for part in parts]), return_inverse=True)
-        first = int(keys[0] < 0)  # entries of vertices that do not move
-        self.indptr = np.searchsorted(keys[first:], np.arange(self.size + 1) * self.size).astype(np.int32)
-        self.indices = (keys[first:] % self.size).astype(np.int32)
-        slots = slots.ravel() - first
-        ends = np.cumsum([part.size for part in parts])
-        cut = np.split(slots, ends[:-1])
-        k = len(self.groups)
-        self.diagonal, self.fold = cut[0], cut[1]
-        self.within = [slot.reshape(part.shape) for slot, part in zip(cut[2 : 2 + k], within)]
-        self.rows = [slot.reshape(part.shape) for slot, part in zip(cut[2 + k :], rows)]
+        multipliers = [np.where(group.row >= 0, q + group.row, -1)[:, None] for group in self.groups]
+        every = np.arange(self.size)[:, None]
+        coupled = _coupled([every, folds, *(np.hstack(both) for both in zip(cells, multipliers))], self.size)
+        self.indptr, self.indices = coupled.indptr, coupled.indices
+        self.diagonal, self.fold = slots(self.indptr, self.indices, every, every).ravel(), slots(self.indptr, self.indices, folds, folds)
+        self.within = [slots(self.indptr, self.indices, cell, cell) for cell in cells]
+        self.rows = [slots(self.indptr, self.indices, one, cell)[:, 0] for one, cell in zip(multipliers, cells)]
         # Entries of the rows of equations, and those across the diagonal.
-        mirrored = sparse.csr_matrix((np.arange(len(keys) - first), self.indices, self.indptr), shape=(self.size, self.size)).T.tocsr()
+        mirrored = sparse.csr_matrix((np.arange(len(self.indices)), self.indices, self.indptr), shape=(self.size, self.size)).T.tocsr()
         self.below = np.arange(self.indptr[q], self.indptr[-1])
         self.across = mirrored.data[self.below]
 
@@ -388,7 +379,7 @@ class _Pattern:
                 *(parts.convex, parts.curved, parts.slopes, shape_slopes, parts.rows, parts.row_curvature, within, rows),
                 *(np.empty((w, 7)), np.empty((6 * k, w)), *np.empty((2, w, w)), np.empty((w, 7)), convex, curved, below),
             )
-        convex += np.bincount(self.fold, (fold_weights[:, None] * [1.0, 1.0, -1.0, -1.0]).ravel(), entries)
+        convex += np.bincount(self.fold.ravel(), (fold_weights[:, None] * [1.0, -1.0, -1.0, 1.0]).ravel(), entries)
         convex[self.diagonal[: self.unknowns]] += lagrangian.kept[lagrangian.free]
         q = self.unknowns
         start = int(self.indptr[q])
@@ -425,9 +416,17 @@ def _groups(mesh: MidEdgeMesh, equation: IntArray) -> list[tuple[_Group, IntArra
     return found
 
 
-def _keys(row: IntArray, column: IntArray, size: int) -> IntArray:
-    """Return the keys of entries, -1 where either is none."""
-    return np.where((row >= 0) & (column >= 0), row * size + column, -1)
+def _coupled(cells: list[IntArray], size: int) -> sparse.csr_matrix:
+    """Return the sparsity (size, size) of matrices that couple the unknowns of every cell (g, k), -1 for none, with each other."""
+    count = sum(len(cell) for cell in cells)
+    width = np.concatenate([np.full(len(cell), cell.shape[1]) for cell in cells])
+    columns = np.concatenate([cell.ravel() for cell in cells])
+    row = np.repeat(np.arange(count), width)[columns >= 0]
+    columns = columns[columns >= 0]
+    of_cells = sparse.csr_matrix((np.ones(len(columns), bool), (row, columns)), shape=(count, size))
+    coupled = (of_cells.T @ of_cells).tocsr()
+    coupled.sort_indices()
+    return coupled
 
 
 def _second(tensors: FloatArray, mixed: FloatArray, areas: FloatArray) -> FloatArray:
