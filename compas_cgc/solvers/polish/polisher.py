@@ -195,21 +195,25 @@ def _least_energy(
         begun = [from_surface(lagrangian, frame.to_local(one)[problem.roles != DUMMY]) for one in surfaces]
     ends: list[_End] = []
     starting: list[State] = []
+    missed = math.inf  # by the saddle with which the search may end; another one that misses the supports by as much is its equal
     for start in begun:
-        if isinstance(start, Lifted):
-            ends.append(search.lowered(start))
+        own = start.state if isinstance(start, Lifted) else start
+        if isinstance(start, Lifted) and start.missed > (1.0 + SAME) * missed:
+            break
+        twin = next((end for first, end in zip(starting, ends) if _mirrors(lagrangian, first, own)), None)
+        if twin is not None:
+            ends.append(_End(lagrangian.at(-twin.state.unknowns), twin.status))
         else:
-            twin = next((end for first, end in zip(starting, ends) if _mirrors(lagrangian, first, start)), None)
-            ends.append(search.ended(start) if twin is None else _End(lagrangian.at(-twin.state.unknowns), twin.status))
-            starting.append(start)
+            ends.append(search.lowered(start) if isinstance(start, Lifted) else search.ended(start))
+        starting.append(own)
         # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say.
         enough = kept or lifted or bool(surfaces) or bool((lagrangian.types >= 0.0).all())
-        if (
-            ends[-1].status in ("cancelled", "step_limit")
-            or (lifted and is_spent())
-            or (ends[-1].arrived and enough and judged(ends[-1]).fair)
-        ):
+        if ends[-1].status in ("cancelled", "step_limit") or (lifted and is_spent()):
             break
+        if ends[-1].arrived and enough and judged(ends[-1]).fair:
+            if not isinstance(start, Lifted):
+                break
+            missed = min(missed, start.missed)
     if not ends:
         return None
     found = _distinct([end for end in ends if end.arrived], lagrangian, size)

@@ -81,6 +81,7 @@ class Lifted(NamedTuple):
 
     state: State
     lift: FloatArray  # (u,)
+    missed: float  # largest distance of a support from its place [L]
 
 
 def saddles(lagrangian: Lagrangian) -> Iterator[Lifted]:
@@ -109,7 +110,7 @@ def saddles(lagrangian: Lagrangian) -> Iterator[Lifted]:
     for turn in nearest[np.argsort(missed[nearest], kind="stable")]:
         unknowns = np.append(lifts[turn], np.zeros(len(mesh.angles.ends)))
         unknowns[len(V) :] = even_angles(mesh, lagrangian.vertices(unknowns))
-        yield Lifted(lagrangian.at(unknowns), bent_by_supports(lagrangian, lifts[turn]))
+        yield Lifted(lagrangian.at(unknowns), bent_by_supports(lagrangian, lifts[turn]), float(missed[turn]))
 
 
 def _volume(lagrangian: Lagrangian, here: State, step: FloatArray) -> float:
