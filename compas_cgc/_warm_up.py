@@ -57,7 +57,6 @@ def _calls() -> Iterator[Callable[[], object]]:
         yield partial(_solved, _folded if method == "projection" else _dome, settings={"measure": measure}, method=method)
     yield partial(_solved, _folded, settings={"energy": "cotangent"}, method="flow")
     yield _ordered
-    yield _swept
     yield _drawn
 
 
@@ -91,16 +90,6 @@ def _ordered() -> None:
 
     chain = sparse.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(20, 20), format="csr")
     nested_dissection(chain)
-
-
-def _swept() -> None:
-    """Compile the kernels used only for large meshes."""
-    import numpy as np
-    from scipy import sparse
-
-    from .linalg.sweeps import Sweeps
-
-    Sweeps(sparse.csc_matrix(np.array([[1.0, 0.0], [0.5, 1.0]])), np.ones(2)).solve(np.ones(2))
 
 
 def _drawn() -> None:

@@ -17,6 +17,9 @@ from .errors import SingularMatrixError
 from .ordering import MATRIX_BYTES
 from .ordering import elimination_order
 from .ordering import has_pattern
+from .refinement import POOR
+from .refinement import refined
+from .superlu import SuperLU
 
 __all__ = ["Multifrontal"]
 
@@ -31,6 +34,8 @@ class Multifrontal:
     ----------
     points
         ``(n, d)`` places of the unknowns, for the order of elimination.
+    refine
+        Whether solutions are checked and refined; where pivots on the diagonal are not good enough, others are chosen.
 
     References
     ----------
@@ -38,8 +43,10 @@ class Multifrontal:
     doi:10.1137/1.9780898718881.
     """
 
-    def __init__(self, points: Optional[FloatArray] = None):
-        self._points = points
+    quick = False
+
+    def __init__(self, points: Optional[FloatArray] = None, refine: bool = True):
+        self._points, self._refine = points, refine
         self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
         self.negative = 0  # eigenvalues
 
@@ -50,11 +57,10 @@ class Multifrontal:
         ------
         SingularMatrixError
             If a pivot vanishes.
-        ValueError
-            If only one entry of a pair is stored.
         """
         matrix = sparse.csr_matrix(matrix)
         matrix.sort_indices()
+        self._matrix = matrix
         if not has_pattern(matrix, self._pattern):
             self._pattern = matrix.indptr, matrix.indices
             self._order, self._tree = _analysed(matrix.indptr, matrix.indices, elimination_order(matrix, self._points))
@@ -70,8 +76,15 @@ class Multifrontal:
             raise SingularMatrixError("the matrix is singular: a pivot vanishes")
         return self
 
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Return the solutions (n,) or (n, k) for right sides of that shape, without refinement."""
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return the solutions (n,) or (n, k) for right-hand sides of that shape."""
+        rhs = np.asarray(rhs, dtype=np.float64)
+        if not self._refine:
+            return self._applied(rhs)
+        x, quality = refined(self._matrix, self._applied, rhs)
+        return x if quality <= POOR else SuperLU(self._points).factorise(self._matrix).solve(rhs)
+
+    def _applied(self, right: FloatArray) -> FloatArray:
         own, solution = self._tree, np.empty_like(right)
         x = np.ascontiguousarray(right[self._order] if right.ndim > 1 else right[self._order, None])
         _fronts.substitute(x, own.starts, own.bounds, own.rows, own.offsets, self._L, self._D, self._room)
@@ -98,13 +111,13 @@ class _Tree(NamedTuple):
 def _analyse(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[Indices, _Tree]:
     """Return the order (n,) of elimination with subtrees in one piece, and the fronts of a matrix."""
     n = len(order)
-    pattern = sparse.csr_matrix((np.ones(len(indices), bool), indices, indptr), shape=(n, n))
-    other = pattern.T.tocsr()
-    if not (np.array_equal(pattern.indptr, other.indptr) and np.array_equal(pattern.indices, other.indices)):
-        raise ValueError("the sparsity of the matrix must be symmetric; store both entries of every pair")
-    lower = _halves(indptr, indices, order)[1]
+    numbered = sparse.csr_matrix((np.arange(1, len(indices) + 1), indices, indptr), shape=(n, n))
+    # Sums of sparse matrices leave out zeros: an entry may be stored on one side of the diagonal alone.
+    numbered = numbered.maximum(numbered.T.tocsr())
+    lower = _upper(numbered, order).T.tocsr()
     order = order[_fronts.postorder(_fronts.elimination_tree(lower.indptr, lower.indices))]
-    upper, lower = _halves(indptr, indices, order)
+    upper = _upper(numbered, order)
+    lower = upper.T.tocsr()
     parent = _fronts.elimination_tree(lower.indptr, lower.indices)
     count = _fronts.column_counts(lower.indptr, lower.indices, parent)
     # Neighbours in the order whose columns of L have the same rows share a front.
@@ -122,7 +135,7 @@ def _analyse(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[I
         rows,
         _fronts.places_in_parents(starts, bounds, rows, above),
         above,
-        upper.data,
+        upper.data - 1,
         _fronts.places_of_entries(upper.indptr, upper.indices, starts, bounds, rows),
         upper.indptr[starts],
         np.append(0, np.cumsum(np.diff(starts) * widths)),
@@ -134,13 +147,11 @@ def _analyse(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[I
 _analysed = remembered(_analyse, largest=MATRIX_BYTES)
 
 
-def _halves(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-    """Return the upper triangle of a matrix in another order, with the numbers of its entries before, and its transpose."""
-    n = len(order)
-    numbered = sparse.csr_matrix((np.arange(len(indices)), indices, indptr), shape=(n, n))
-    upper = sparse.triu(numbered[order][:, order], format="csr")
+def _upper(matrix: sparse.csr_matrix, order: Indices) -> sparse.csr_matrix:
+    """Return the upper triangle of a matrix in another order."""
+    upper = sparse.triu(matrix[order][:, order], format="csr")
     upper.sort_indices()
-    return upper, upper.T.tocsr()
+    return upper
 
 
 def _most_waiting(above: Indices, below: Indices) -> int:

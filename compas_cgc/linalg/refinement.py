@@ -9,9 +9,10 @@ from scipy import sparse
 
 from ..discrete.arrays import FloatArray
 
-__all__ = ["refined"]
+__all__ = ["POOR", "refined"]
 
 GOOD = 1e-10  # relative residual below which a solution is not refined
+POOR = 1e-6  # relative residual above which pivots on the diagonal are not good enough
 REFINEMENTS = 2
 GAIN = 0.5  # of the residual before, above which a round brings nothing more
 

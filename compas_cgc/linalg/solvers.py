@@ -13,12 +13,10 @@ from .errors import SingularMatrixError
 
 __all__ = ["BACKENDS", "LinearSolver", "SingularMatrixError", "factorise", "linear_solver"]
 
-BACKENDS = ("superlu", "pardiso", "amg")
+BACKENDS = ("multifrontal", "superlu", "pardiso", "amg")
 
-# Numbers of unknowns from which PARDISO is faster than SuperLU, which factorises more slowly but starts and solves
-# faster. Multigrid is slower than both and is used for its smaller memory.
+# Numbers of unknowns from which PARDISO is faster, which starts more slowly. Multigrid is slower and is used for its smaller memory.
 PARDISO_FROM, PARDISO_UNSYMMETRIC = 200_000, 2_000_000
-PARDISO_FRESH = 10_000  # for `fresh` matrices, which PARDISO factorises six times faster
 AMG_FROM = 2_000_000
 
 
@@ -54,7 +52,6 @@ def linear_solver(
     symmetric: bool = False,
     points: Optional[FloatArray] = None,
     refine: bool = True,
-    fresh: bool = False,
     backend: str = "auto",
 ) -> LinearSolver:
     """Return a solver for systems of one sparsity.
@@ -71,11 +68,9 @@ def linear_solver(
     refine
         Whether solutions are checked against the matrix and refined if needed. False is faster and enough for a
         preconditioner; it excludes multigrid, which has no factors.
-    fresh
-        Whether the matrix has a wide stencil and changes for nearly every right-hand side.
     backend
-        ``"superlu"`` (SciPy), ``"pardiso"`` (package pypardiso), ``"amg"`` (package pyamg;
-        symmetric matrices only), or ``"auto"``: by size, among those that are installed.
+        ``"multifrontal"`` (symmetric matrices only), ``"superlu"`` (SciPy), ``"pardiso"`` (package pypardiso),
+        ``"amg"`` (package pyamg; symmetric matrices only), or ``"auto"``: by size, among those that are installed.
 
     Returns
     -------
@@ -96,18 +91,22 @@ def linear_solver(
     False
     """
     if backend == "auto":
-        backend = _choose(size, symmetric, refine, fresh)
+        backend = _choose(size, symmetric, refine)
+    if backend in ("multifrontal", "amg") and not symmetric:
+        raise ValueError(f"the backend {backend!r} solves symmetric matrices only; use 'superlu' or 'pardiso'")
+    if backend == "multifrontal":
+        from .multifrontal import Multifrontal
+
+        return Multifrontal(points, refine)
     if backend == "superlu":
         from .superlu import SuperLU
 
-        return SuperLU(symmetric, points, refine)
+        return SuperLU(points, refine)
     if backend == "pardiso":
         from .pardiso import Pardiso
 
         return Pardiso(symmetric, refine)
     if backend == "amg":
-        if not symmetric:
-            raise ValueError("the backend 'amg' solves symmetric positive definite matrices only; use 'superlu' or 'pardiso'")
         from .amg import AMG
 
         return AMG()
@@ -145,13 +144,13 @@ def factorise(
     return linear_solver(matrix.shape[0], symmetric=symmetric, points=points, refine=refine, backend=backend).factorise(matrix)
 
 
-def _choose(size: int, symmetric: bool, refine: bool, fresh: bool) -> str:
+def _choose(size: int, symmetric: bool, refine: bool) -> str:
     if symmetric and refine and size >= AMG_FROM and find_spec("pyamg"):
         return "amg"
-    least = PARDISO_UNSYMMETRIC if not symmetric else PARDISO_FRESH if fresh else PARDISO_FROM
+    least = PARDISO_FROM if symmetric else PARDISO_UNSYMMETRIC
     if size >= least and find_spec("pypardiso"):
         from .pardiso import works
 
         if works():
             return "pardiso"
-    return "superlu"
+    return "multifrontal" if symmetric else "superlu"

@@ -16,19 +16,15 @@ from ..discrete.arrays import Indices
 from .errors import SingularMatrixError
 from .ordering import elimination_order
 from .ordering import has_pattern
+from .refinement import POOR
 from .refinement import refined
-from .sweeps import Sweeps
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU as Factors
 
 __all__ = ["SuperLU"]
 
-POOR = 1e-6  # relative residual above which the matrix is factorised again with partial pivoting
 PANEL = 4  # columns per panel; a tenth faster than SuperLU's default
-# Range of unknowns in which the compiled substitutions of `Sweeps` are used: below, compiling takes longer than is saved;
-# above, too few solves are expected.
-SWEEPS_RANGE = 500, 30_000
 
 
 class SuperLU:
@@ -38,8 +34,6 @@ class SuperLU:
 
     Parameters
     ----------
-    symmetric
-        The matrices are symmetric and positive definite.
     points
         ``(n, d)`` positions of the unknowns, if known.
     refine
@@ -48,13 +42,11 @@ class SuperLU:
 
     quick = False
 
-    def __init__(self, symmetric: bool = False, points: Optional[FloatArray] = None, refine: bool = True):
+    def __init__(self, points: Optional[FloatArray] = None, refine: bool = True):
         self._points = points
-        self._symmetric = symmetric
         self._refine = refine
         self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
         self._lu: Optional[Factors] = None
-        self._sweeps: Optional[Sweeps] = None
         self._pivoted = False
 
     def factorise(self, matrix: sparse.csr_matrix) -> SuperLU:
@@ -99,32 +91,14 @@ class SuperLU:
         transposed = sparse.csc_matrix((matrix.data[self._gather], self._indices, self._indptr), shape=matrix.shape)
         self._pivoted = False
         self._lu = splu(transposed, permc_spec="NATURAL", diag_pivot_thresh=0.0, panel_size=PANEL, options={"SymmetricMode": True})
-        swept = self._symmetric and not self._refine and SWEEPS_RANGE[0] <= matrix.shape[0] <= SWEEPS_RANGE[1]
-        self._sweeps = _swept(self._lu) if swept else None
 
     def _apply(self, rhs: FloatArray) -> FloatArray:
         if self._lu is None:
             raise SingularMatrixError("there are no factors; call factorise() first")
         if self._pivoted:
             return self._lu.solve(rhs)
-        if self._sweeps is not None:
-            return self._sweeps.solve(rhs.take(self._permutation, axis=0)).take(self._places, axis=0)
-        # Several right-hand sides are solved faster with the factors than with their transpose.
-        which = "N" if self._symmetric and rhs.ndim == 2 else "T"
-        y = self._lu.solve(rhs.take(self._permutation, axis=0), which)
+        y = self._lu.solve(rhs.take(self._permutation, axis=0), "T")
         return y.T.take(self._places, axis=-1).T
-
-
-def _swept(lu: Factors) -> Optional[Sweeps]:
-    """Return compiled substitutions for a symmetric matrix; None if a pivot is not on the diagonal."""
-    own = np.arange(lu.shape[0])
-    if not (np.array_equal(lu.perm_r, own) and np.array_equal(lu.perm_c, own)):
-        return None
-    try:
-        return Sweeps(lu.L, lu.U.diagonal())
-    except ValueError:
-        # An entry of the factor may be missing where it cancels to zero.
-        return None
 
 
 @remembered

@@ -17,7 +17,6 @@ from compas_cgc.linalg import factorise
 from compas_cgc.linalg import linear_solver
 from compas_cgc.linalg import nearly_solved
 from compas_cgc.linalg import nested_dissection
-from compas_cgc.linalg.sweeps import Sweeps
 
 from ..support import shapes
 
@@ -28,7 +27,8 @@ def installed(backend):
 
 
 DIRECT = [installed("superlu"), installed("pardiso")]
-ALL = [*DIRECT, installed("amg")]
+SYMMETRIC = [installed("multifrontal"), *DIRECT]
+ALL = [*SYMMETRIC, installed("amg")]
 
 
 @pytest.fixture(scope="module")
@@ -141,7 +141,7 @@ def test_where_the_diagonal_is_worth_nothing_the_pivots_are_chosen_anew():
     assert np.allclose(factorise(sparse.csr_matrix(full), backend="superlu").solve(several), np.linalg.solve(full, several), rtol=1e-8)
 
 
-@pytest.mark.parametrize("backend", DIRECT)
+@pytest.mark.parametrize("backend", SYMMETRIC)
 def test_the_same_system_gives_the_same_bits_wherever_it_lies_in_memory(backend):
     line = sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(150, 150))
     grid = sparse.csr_matrix(sparse.kronsum(line, line))
@@ -156,7 +156,7 @@ def test_the_same_system_gives_the_same_bits_wherever_it_lies_in_memory(backend)
         assert len(answers) == 1
 
 
-@pytest.mark.parametrize("backend", DIRECT)
+@pytest.mark.parametrize("backend", SYMMETRIC)
 def test_without_refinement_a_good_matrix_is_solved_as_well(meshed, backend):
     A, _ = stiffness(meshed)
     solver = factorise(A, symmetric=True, refine=False, backend=backend)
@@ -235,52 +235,22 @@ def test_nothing_is_ordered_too():
     assert nested_dissection(sparse.csr_matrix((0, 0))).shape == (0,)
 
 
-def test_a_small_system_goes_to_scipy():
-    assert type(linear_solver(100)).__name__ == "SuperLU"
-    assert type(linear_solver(100, symmetric=True)).__name__ == "SuperLU"
-
-
-def test_so_does_a_larger_one_that_is_to_be_solved_many_times():
-    assert type(linear_solver(100_000, symmetric=True, refine=False)).__name__ == "SuperLU"
+def test_systems_go_to_the_backend_that_is_the_fastest_for_them():
+    assert type(linear_solver(100)).__name__ == type(linear_solver(300_000)).__name__ == "SuperLU"
+    assert type(linear_solver(100_000, symmetric=True)).__name__ == "Multifrontal"
 
 
 @pytest.mark.skipif(find_spec("pypardiso") is None, reason="no pypardiso")
-def test_wide_matrices_of_which_each_is_solved_with_once_go_to_pardiso():
-    assert type(linear_solver(12_000, symmetric=True, refine=False, fresh=True)).__name__ == "Pardiso"
-    assert type(linear_solver(12_000, symmetric=True, refine=False)).__name__ == "SuperLU"
+def test_large_symmetric_systems_go_to_pardiso():
     assert type(linear_solver(300_000, symmetric=True, refine=False)).__name__ == "Pardiso"
-    assert type(linear_solver(300_000)).__name__ == "SuperLU"
 
 
 def test_unknown_and_unfit_backends_are_named():
-    with pytest.raises(ValueError, match="'auto' or one of superlu, pardiso, amg, not 'umfpack'"):
+    with pytest.raises(ValueError, match="'auto' or one of multifrontal, superlu, pardiso, amg, not 'umfpack'"):
         linear_solver(10, backend="umfpack")
-    with pytest.raises(ValueError, match="symmetric positive definite"):
-        linear_solver(10, backend="amg")
-
-
-def test_factors_in_panels_solve_whatever_their_columns_have_in_common(meshed):
-    """Panels of one to four columns, filled up with zeros or not."""
-    laplacian, _ = stiffness(meshed)
-    arrow = sparse.lil_matrix(sparse.diags(np.r_[np.full(30, 2.0), 40.0]))
-    arrow[30, :30] = arrow[:30, 30] = 1.0
-    full = sparse.csr_matrix(np.full((11, 11), 0.5) + 3 * np.identity(11))
-    for A in (sparse.identity(5), arrow, full, laplacian, laplacian @ laplacian):
-        factors = splu(sparse.csc_matrix(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        lower, diagonal = factors.L.toarray(), factors.U.diagonal()
-        sweeps = Sweeps(factors.L, diagonal)
-        for b in (right_side(len(lower)), right_side(3 * len(lower)).reshape(-1, 3)):
-            x = sweeps.solve(b)
-            assert x.shape == b.shape
-            assert np.allclose(lower @ (diagonal * (lower.T @ x).T).T, b, rtol=1e-9, atol=1e-9)
-
-
-def test_a_factor_without_the_sparsity_of_a_cholesky_factor_is_refused():
-    lower = np.identity(4) + np.diag([0.5, 0.5, 0.0], -1)
-    Sweeps(sparse.csc_matrix(lower), np.ones(4))
-    lower[3, 0] = 0.5  # elimination would have filled (3, 1) too
-    with pytest.raises(ValueError, match="sparsity of a Cholesky factor"):
-        Sweeps(sparse.csc_matrix(lower), np.ones(4))
+    for backend in ("multifrontal", "amg"):
+        with pytest.raises(ValueError, match=f"'{backend}' solves symmetric matrices only"):
+            linear_solver(10, backend=backend)
 
 
 def test_factors_of_a_matrix_near_by_solve_to_the_tolerance_or_say_that_they_are_too_far(meshed):

@@ -26,7 +26,7 @@ class Saddle:
     """
 
     def __init__(self, points: FloatArray):
-        self._factors = Multifrontal(points)
+        self._factors = Multifrontal(points, refine=False)
 
     def factorise(self, matrix: sparse.csr_matrix) -> int:
         """Take a matrix in, and return the number of its negative eigenvalues.

@@ -80,7 +80,7 @@ class _Frame(Metric):
         self.stiffness = float(np.sqrt(fairness.height.diagonal().mean()))
         self._along: Optional[LinearSolver] = None
         self.factors: Optional[_Factors] = None
-        self._solver = linear_solver(len(across), symmetric=True, points=self.points[::3], refine=False, fresh=True)
+        self._solver = linear_solver(len(across), symmetric=True, points=self.points[::3], refine=False)
 
     def across(self, gradient: FloatArray) -> FloatArray:
         """Return the part across (c,) of a gradient (3c,)."""
