@@ -17,8 +17,6 @@ CYCLES = 200
 class AMG:
     """Smoothed aggregation for symmetric positive definite matrices; memory grows linearly with n."""
 
-    quick = False
-
     def factorise(self, matrix: sparse.csr_matrix) -> AMG:
         """Set up the multigrid hierarchy of a matrix."""
         from pyamg import smoothed_aggregation_solver

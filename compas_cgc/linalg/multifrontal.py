@@ -43,8 +43,6 @@ class Multifrontal:
     doi:10.1137/1.9780898718881.
     """
 
-    quick = False
-
     def __init__(self, points: Optional[FloatArray] = None, refine: bool = True):
         self._points, self._refine = points, refine
         self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None

@@ -65,8 +65,6 @@ class Pardiso:
         Whether solutions are checked and refined.
     """
 
-    quick = True
-
     def __init__(self, symmetric: bool = False, refine: bool = True):
         if not works():
             raise ImportError("pypardiso does not find MKL's library; install the package mkl, or use the backend 'superlu'")

@@ -21,7 +21,7 @@ AMG_FROM = 2_000_000
 
 
 class LinearSolver(Protocol):
-    """Interface of the backends; `quick` is True if factorising costs no more than a few solves.
+    """Interface of the backends.
 
     Examples
     --------
@@ -31,8 +31,6 @@ class LinearSolver(Protocol):
     >>> factorise(sparse.identity(3, format="csr") * 2.0).solve(np.ones(3)).tolist()
     [0.5, 0.5, 0.5]
     """
-
-    quick: bool
 
     def factorise(self, matrix: sparse.csr_matrix) -> LinearSolver:
         """Factorise a matrix; what depends on the sparsity only is reused while the sparsity stays the same.

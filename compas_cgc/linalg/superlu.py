@@ -40,8 +40,6 @@ class SuperLU:
         Whether solutions are checked and refined.
     """
 
-    quick = False
-
     def __init__(self, points: Optional[FloatArray] = None, refine: bool = True):
         self._points = points
         self._refine = refine

@@ -30,8 +30,7 @@ from .vectors import norm
 __all__ = ["Closing"]
 
 SOFT = (1e-9, 1e-8, 1e-7, 1e-5)  # weights of the metric against those of the equations: the first that leave the matrix positive definite
-ROUNDS = 20  # of refinement with factors for another shape
-SLOW = 0.9  # part of the residual left by one, from which new factors are made
+ROUNDS = 20  # of refinement
 LEAST = 1e-2  # residual of the linear systems; steps converge by as much
 HOPELESS = 0.9  # of the right side, left by a move that is not worth its step: along asymptotic lines K is mended by moves in the surface
 TINY = 1e-300
@@ -42,7 +41,7 @@ class Closing(System):
 
     What moves along the surface, in plan, change of K is undone across it. The least such move comes from a direct
     factorisation of ``W + w Jᵀ J`` for one unknown per vertex, a matrix as sparse as the bending energy; refinement makes
-    up for the weight w, and for the shape having moved on since.
+    up for the weight w.
 
     Parameters
     ----------
@@ -157,21 +156,20 @@ class _Direct(LeastNorm):
     def _least(self, gradient: FloatArray, right: FloatArray, tolerance: float, floor: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the least (c,) of ``½ aᵀ W a - gradientᵀ a`` with ``J a = right``, the multipliers (k,) and what is missing (k,).
 
-        Conjugate residuals, which make up for what has changed since the factors were made, a few places at a time.
+        Conjugate residuals, as factors of the metric and the weighted equations only nearly solve both.
         """
         frame = self.metric
-        if frame.factors is None or (frame.factors.solver.quick and frame.factors.source is not self.J):
+        if frame.factors is None or frame.factors.source is not self.J:
             frame.renewed(self.J)
         assert frame.factors is not None
+        _, J, transposed, weight, balance, solver = frame.factors
+        scale = np.sqrt(balance) * frame.stiffness
         heights, multipliers = np.zeros_like(gradient), np.zeros_like(right)
         pull, missing = gradient, right
         goal = max(tolerance * norm(right), floor * np.sqrt(len(right)))
-        first = off = np.hypot(norm(gradient), np.sqrt(frame.factors.balance) * frame.stiffness * norm(right))
+        first = np.hypot(norm(gradient), scale * norm(right))
         kept: list[tuple] = []
         for _ in range(ROUNDS):
-            assert frame.factors is not None
-            source, J, transposed, weight, balance, solver = frame.factors
-            scale = np.sqrt(balance) * frame.stiffness
             step = solver.solve(pull + weight * (transposed @ missing))
             more = weight * (missing - J @ step)
             pulled, done = frame.of_heights(step) - frame.across(self.transposed @ more), self.J @ frame.lifted(step)
@@ -187,10 +185,6 @@ class _Direct(LeastNorm):
             heights, multipliers = heights + length * direction[0], multipliers + length * direction[1]
             pull, missing = pull - length * pulled, missing - length * done
             kept.append((*direction, square))
-            off, before_that = np.hypot(norm(pull), scale * norm(missing)), off
-            if off <= tolerance * first and norm(missing) <= goal:
+            if np.hypot(norm(pull), scale * norm(missing)) <= tolerance * first and norm(missing) <= goal:
                 break
-            if off > SLOW * before_that and source is not self.J:
-                frame.renewed(self.J)
-                kept = []
         return heights, multipliers, missing
