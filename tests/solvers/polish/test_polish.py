@@ -18,6 +18,8 @@ from compas_cgc.solvers.polish.settings import PolishSettings
 from compas_cgc.solvers.polish.starts import starts
 
 from ...support import shapes
+from ...system.fairness_study import mesh
+from ...system.fairness_study import outline
 
 
 def _square(n: int, jitter: float = 0.0, lines=(), along=(0, 1)):
@@ -243,3 +245,16 @@ def test_supports_are_lowered_from_a_saddle_where_plates_lead_to_branch_points()
     np.testing.assert_array_equal(result.vertices[supports], vertices[supports])
     least = solve(problem, method="bending", settings={"evenness": 0.0})
     assert "branch point" in least.message
+
+
+def test_of_saddles_that_miss_level_supports_by_as_much_all_are_found_anywhere():
+    """Rounding tells which comes first."""
+    random = np.random.default_rng(900)
+    vertices, faces = mesh(outline("ellipse", random), "irregular", 220, random)
+    rim = np.flatnonzero(boundary_vertices(vertices, faces))
+    rim = rim[np.argsort(np.arctan2(vertices[rim, 0], vertices[rim, 1]))]
+    problem = CGCProblem(vertices, faces).with_supports(rim[np.arange(6) * len(rim) // 6].tolist()).with_targets(-1.0)
+    here, there = (solve(problem.with_vertices(vertices + move), method="bending") for move in (0.0, 1.0))
+    assert here.verdict.fair and len(here.branches) == len(there.branches) == 2
+    for own in here.branches:
+        assert min(np.abs(own.vertices + 1.0 - other.vertices).max() for other in there.branches) < 1e-6
