@@ -36,10 +36,10 @@ class Choice(NamedTuple):
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
 LAWS = Choice("bending", "it alone takes laws other than constant K")
-DRAWN_IN = Choice("projection", "free edges leave their drawn lines where no fair surface stays over them")
 DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
 SOUGHT = Choice("bending", "it bends and folds least, and finds K for goals of the whole surface")
+MEASURED = Choice("projection", "the measure was given")
 GOALS = Choice("projection", "it meets goals of all kinds")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
 SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 1.5 beside straight fixed edges, others of order 1
@@ -64,7 +64,7 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
     choices = _choices(problem)
     if settings is None or settings.to_dict()["measure"] == "auto":
         return choices
-    return [choice for choice in choices if "measure" in METHODS[choice.method].settings.options()]
+    return [choice for choice in choices if "measure" in METHODS[choice.method].settings.options()] or [MEASURED]
 
 
 def _choices(problem: CGCProblem) -> list[Choice]:
@@ -78,11 +78,11 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]
     if is_held_all_round(problem):
-        return [RIM, PLAIN_RIM, BENDING, DRAWN_IN]
+        return [RIM, PLAIN_RIM, BENDING]
     if is_held_all_round(problem, folded=True):
         return [FOLDED_RIM, HELD]
     if (problem.roles[boundary_vertices(problem.vertices, problem.faces)] == FIXED).all() and not len(problem.creases):
         return [HELD, BENDING]
     if keeps_shape(problem):
         return [DRAWN, BENDING]
-    return [BENDING, DRAWN_IN]
+    return [BENDING]

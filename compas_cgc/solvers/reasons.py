@@ -10,6 +10,7 @@ from ..discrete.local_fits import local_fits
 from ..errors import COARSER
 from ..errors import ProblemError
 from ..errors import Sentence
+from ..errors import use_method
 from ..linalg.work import Work
 from ..model.bulging import two_sided_supports
 from ..model.goals.binding import bind
@@ -29,13 +30,14 @@ from .limits import raised
 from .projection.plate import relaxed
 from .projection.symmetry import tears_faces
 
-__all__ = ["contradiction", "why_not_found", "why_rough"]
+__all__ = ["DRAWN_IN", "contradiction", "why_not_found", "why_rough"]
 
 ROUGHLY, FEW, SMALL = 0.1, 16, 500  # tolerance, solves and vertices of a search for what could be carried
 SEARCH = 1.2e7  # right sides times unknowns that it may take on a coarser mesh, under two seconds
 OWN, WITH_GOALS = 6000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
 SMALLEST = 800  # vertices, of which smaller meshes are taken to have as many
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
+DRAWN_IN = Sentence("with the method projection free edges may leave their drawn lines", [use_method("projection")])
 NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small part of K̄; ask for less of {}")
 
 LAYOUT = Sentence(

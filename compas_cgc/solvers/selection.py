@@ -12,6 +12,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete import boundary_vertices
 from ..discrete.space_form import EXACT
 from ..errors import joined
 from ..model.goals.wholes import Unknown
@@ -20,6 +21,7 @@ from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
+from ..model.roles import FIXED
 from ..model.verdict import verdict
 from .allowance import Allowance
 from .choices import Choice
@@ -28,6 +30,7 @@ from .drawn_side import is_drawn_below
 from .evened import evened
 from .half_sphere import with_half_a_sphere
 from .method import Method
+from .reasons import DRAWN_IN
 from .reasons import contradiction
 from .reasons import why_not_found
 from .reasons import why_rough
@@ -114,7 +117,14 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         reasons = partial(why_not_found, problem, best.status)
     with allowed.for_reasons().counted():
         why = reasons()
-    return _told(best if why else with_half_a_sphere(problem, best), choice, tried, why)
+    best = best if why else with_half_a_sphere(problem, best)
+    if best.method == "bending" and best.status != "cancelled" and _has_free_edges(problem) and not contradiction(problem):
+        why = joined([*filter(None, [why]), DRAWN_IN])
+    return _told(best, choice, tried, why)
+
+
+def _has_free_edges(problem: CGCProblem) -> bool:
+    return bool((problem.roles[boundary_vertices(problem.vertices, problem.faces)] != FIXED).any())
 
 
 class _Attempt(NamedTuple):
