@@ -9,6 +9,7 @@ import pkgutil
 import re
 import shlex
 import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -44,10 +45,10 @@ def blocks(path: Path, *languages: str) -> list[tuple[str, str]]:
     return found
 
 
-def commands(text: str) -> list[list[str]]:
-    """Return the calls of compas-cgc in a block, as words."""
+def commands(text: str, *programs: str) -> list[list[str]]:
+    """Return the calls of programs in a block, as words."""
     lines = text.replace("\\\n", " ").splitlines()
-    return [words[1:] for words in (shlex.split(line, comments=True) for line in lines) if words and words[0] == "compas-cgc"]
+    return [words for words in (shlex.split(line, comments=True) for line in lines) if words and words[0] in programs]
 
 
 def tutorials() -> list:
@@ -68,10 +69,15 @@ def test_the_code_of_a_page_runs(path, tmp_path, monkeypatch, capsys):
     names: dict = {"__name__": "page"}
     for language, text in blocks(path, "python", "py", "sh"):
         if language == "sh":
-            for words in commands(text):
-                build_parser(words[0]).parse_args(words)
-                if words[0] not in NOT_RUN:
-                    assert main([*words, *(["--no-page"] if words[0] == "mould" else [])]) == DONE, capsys.readouterr().err
+            for words in commands(text, "compas-cgc", "ccx"):
+                if words[0] == "ccx":
+                    if shutil.which("ccx") is None:
+                        break  # what follows reads its results
+                    subprocess.run(words, check=True, capture_output=True, timeout=300)
+                    continue
+                build_parser(words[1]).parse_args(words[1:])
+                if words[1] not in NOT_RUN:
+                    assert main([*words[1:], *(["--no-page"] if words[1] == "mould" else [])]) == DONE, capsys.readouterr().err
         elif language == "python" or path.name == "fabrication.md":
             exec(compile(text, path.name, "exec"), names)
 
