@@ -13,6 +13,7 @@ from ..errors import Sentence
 from ..errors import use_method
 from ..linalg.work import Work
 from ..model.bulging import two_sided_supports
+from ..model.flat_edges import saddle_in_flat_edge
 from ..model.goals.binding import bind
 from ..model.goals.binding import unknown_regions
 from ..model.goals.inequalities import Bound
@@ -68,9 +69,9 @@ def why_rough(problem: CGCProblem) -> str:
 
 
 def contradiction(problem: CGCProblem) -> str:
-    """Return the sentence on supports that no surface with K > 0 passes through, empty without any."""
+    """Return the sentence on supports that no surface with K of this sign passes through, empty without any."""
     real = problem.without_dummies()
-    return next(iter(two_sided_supports(real) or inward_edges(real)), "")
+    return next(iter(two_sided_supports(real) or inward_edges(real) or saddle_in_flat_edge(real)), "")
 
 
 def _step(problem: CGCProblem) -> str:
