@@ -15,6 +15,7 @@ from compas_cgc import ProjectionSettings
 from compas_cgc import solve
 from compas_cgc.analysis import analyse
 from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.errors import Remedy
 from compas_cgc.model.measures import is_held_all_round
 from compas_cgc.model.measures import read_across
 from compas_cgc.model.roles import CREASE
@@ -185,12 +186,13 @@ def test_the_next_method_is_tried_when_one_stalls(monkeypatch):
 
 
 def test_when_no_method_converges_the_best_surface_is_returned_with_a_remedy():
-    """A plane convex rim supported all round carries no K < 0 in total: the angles along it only grow with height (Gauss-Bonnet)."""
+    """A surface with K < 0 stays within the convex hull of its edge, here a plane."""
     mesh = CGCMesh.from_meshgrid(dx=2, nx=6)
     mesh.set_supports("boundary")
     mesh.set_target(-0.2)
     result = solve(mesh)
-    assert not (result.converged and result.verdict.fair) and "along the straight" in result.message
+    assert not (result.converged and result.verdict.fair) and "no surface has K < 0 within this edge" in result.message
+    assert Remedy("scale", -1.0) in result.ending.remedies
 
 
 def test_of_several_that_stall_the_nearest_is_returned(monkeypatch):
