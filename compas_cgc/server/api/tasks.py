@@ -79,7 +79,7 @@ class Progress:
 def run_request(request: SolveRequest) -> SolveResult:
     """Solve a request and report progress; methods that support it start from the last surface."""
     method = request.method if request.settings is None else method_of(request.settings)
-    problem = gone_on(request.problem, request.last if method in ("auto", "projection") else None)
+    problem = gone_on(request.problem, request.last if method in ("auto", "bending", "projection") else None)
     progress = Progress(request.live)
     result = solve(problem, method=request.method, settings=request.settings, callback=progress)
     if result.converged:
