@@ -88,7 +88,7 @@ def _expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, f: i
 
 @kernel()
 def expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, W: FloatArray, orders: Orders, out: FloatArray) -> None:
-    """Write what every face contributes into `out` (m, 22, 1, 4 or 10): three angles, three tensors of six entries, and its area."""
+    """Write what every face contributes into `out` (m, 22, 4 or 10): three angles, three tensors of six entries, and its area."""
     for f in range(F.shape[0]):
         _expand(V, F, U, R, index, f, W, orders)
         for x in range(len(orders)):

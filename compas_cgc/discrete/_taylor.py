@@ -1,7 +1,7 @@
 """Arithmetic of functions of three variables with their first and second derivatives, for compiled kernels.
 
 A function is a row of ten numbers: its value, its derivatives by x, y, z, and those by xx, xy, xz, yy, yz, zz. All operations take
-a tuple as long as the part of it that is computed, one, four or ten numbers, for which they are compiled apart.
+a tuple as long as the part of it that is computed, four or ten numbers, for which they are compiled apart.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 from .._compiled import kernel
 from .arrays import FloatArray
 
-__all__ = ["FIRST", "ROW", "Orders", "VALUE", "add_product", "compose", "multiply"]
+__all__ = ["FIRST", "ROW", "Orders", "add_product", "compose", "multiply"]
 
 Orders = tuple[bool, ...]
-VALUE, FIRST, ROW = 1, 4, 10  # numbers of a row: the value, up to first and up to second derivatives
+FIRST, ROW = 4, 10  # numbers of a row, up to first and up to second derivatives
 
 
 @kernel(inner=True)
@@ -28,9 +28,8 @@ def add_product(W: FloatArray, orders: Orders, factor: float, a: int, b: int, ou
     """Add a multiple of the product of rows `a` and `b` to row `out`, which is neither of them."""
     p, q = factor * W[a, 0], factor * W[b, 0]
     W[out, 0] += p * W[b, 0]
-    if len(orders) > VALUE:
-        for i in range(1, FIRST):
-            W[out, i] += p * W[b, i] + q * W[a, i]
+    for i in range(1, FIRST):
+        W[out, i] += p * W[b, i] + q * W[a, i]
     if len(orders) > FIRST:
         at = FIRST
         for i in range(1, FIRST):
@@ -48,7 +47,6 @@ def compose(W: FloatArray, orders: Orders, value: float, first: float, second: f
             for j in range(i, FIRST):
                 W[out, at] = first * W[a, at] + second * W[a, i] * W[a, j]
                 at += 1
-    if len(orders) > VALUE:
-        for i in range(1, FIRST):
-            W[out, i] = first * W[a, i]
+    for i in range(1, FIRST):
+        W[out, i] = first * W[a, i]
     W[out, 0] = value

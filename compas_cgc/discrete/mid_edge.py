@@ -15,7 +15,6 @@ from ._shape_kernels import ROWS
 from ._shape_kernels import expand
 from ._taylor import FIRST
 from ._taylor import ROW
-from ._taylor import VALUE
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
@@ -23,7 +22,7 @@ from .arrays import Vectors
 from .arrays import Vertices
 from .topology import edge_faces
 
-__all__ = ["OCCURRENCES", "ROW", "TRACE", "Curvatures", "EdgeAngles", "MidEdgeMesh", "ShapeOperators", "determinants", "edge_angles"]
+__all__ = ["OCCURRENCES", "TRACE", "Curvatures", "EdgeAngles", "MidEdgeMesh", "ShapeOperators", "determinants", "edge_angles"]
 
 # Packed symmetric matrices are xx, xy, xz, yy, yz, zz: how often each entry occurs, and which are on the diagonal.
 OCCURRENCES = np.array([1.0, 2.0, 2.0, 1.0, 2.0, 1.0])
@@ -63,8 +62,8 @@ class ShapeOperators:
     Parameters
     ----------
     expanded
-        Returns the rows (m, 22, k) of :func:`expand` for their number k: 1, or 4 and 10 with derivatives, which are computed when they
-        are asked for.
+        Returns what :func:`expand` writes (m, 22, k), with k = 4 up to first derivatives, and k = 10 up to second ones, which are computed
+        when they are asked for.
     sign
         ``(m, 3)`` of the angles.
     turned
@@ -73,14 +72,14 @@ class ShapeOperators:
 
     def __init__(self, expanded: Callable[[int], FloatArray], sign: FloatArray, turned: FloatArray):
         self._expanded, self._sign, self._turned = expanded, sign, turned
-        self._rows = self._with_angles(VALUE)
+        self._rows = self._with_angles(FIRST)
         self.areas: FloatArray = self._area[:, 0].copy()  # (m,) [L^2]
         self.tensors: FloatArray = np.einsum("mk,mke->me", self._angle[:, :, 0], self._tensor[..., 0])  # times the areas (m, 6) [L]
 
-    def up_to(self, count: int) -> ShapeOperators:
-        """Return the same with a number of rows computed, so that lower derivatives that are asked for first are not computed twice."""
-        if self._rows.shape[2] < count:
-            self._rows = self._with_angles(count)
+    def to_second_order(self) -> ShapeOperators:
+        """Return the same with second derivatives."""
+        if self._rows.shape[2] < ROW:
+            self._rows = self._with_angles(ROW)
         return self
 
     def _with_angles(self, count: int) -> FloatArray:
@@ -113,7 +112,6 @@ class ShapeOperators:
     @cached_property
     def tensor_slopes(self) -> FloatArray:
         """Derivatives of the tensors (m, 6, 6)."""
-        self.up_to(FIRST)
         phi, B = self._angle, self._tensor
         moves = np.einsum("mk,mkex->mex", phi[:, :, 0], B[..., 1:4]) + np.einsum("mkx,mke->mex", phi[:, :, 1:4], B[..., 0])
         return np.concatenate([moves, self.angle_slopes], axis=2)
@@ -121,11 +119,11 @@ class ShapeOperators:
     @property
     def area_slopes(self) -> FloatArray:
         """Derivatives of the areas by the moves (m, 3)."""
-        return self.up_to(FIRST)._area[:, 1:4]
+        return self._area[:, 1:4]
 
     def second_derivatives(self, by_tensors: FloatArray, by_areas: FloatArray) -> FloatArray:
         """Return the second derivatives (m, 6, 6) of the sum of tensors times weights (m, 6), and areas times weights (m,)."""
-        self.up_to(ROW)
+        self.to_second_order()
         weighed = np.einsum("me,mkex->mkx", by_tensors, self._tensor)
         value, slope = weighed[..., 0], weighed[..., 1:4]
         mixed = np.einsum("mki,mkj->mij", self._angle[..., 1:4], slope)

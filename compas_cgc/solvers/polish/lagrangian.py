@@ -17,7 +17,6 @@ from ...discrete.arrays import Mask
 from ...discrete.measured_curvature import LEAST_FACES
 from ...discrete.measured_curvature import linear_residuals
 from ...discrete.mid_edge import OCCURRENCES
-from ...discrete.mid_edge import ROW
 from ...discrete.mid_edge import TRACE
 from ...discrete.mid_edge import MidEdgeMesh
 from ...discrete.mid_edge import ShapeOperators
@@ -234,7 +233,7 @@ class Lagrangian:
 
     def model(self, state: State, multipliers: FloatArray) -> Model:
         """Return the Lagrangian to second order for multipliers (r,)."""
-        own = state.operators.up_to(ROW)
+        own = state.operators.to_second_order()
         A, S = own.areas, own.tensors / own.areas[:, None]
         bent, uneven, stretched = self._stresses(own)
         by_tensor, by_area = bent + uneven, -own.bending / A - stretched
