@@ -15,6 +15,7 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
 from .development import Development
+from .figures import on_most_of_the_area
 from .fitting import Fit
 from .flattening import LONG_ASPECT
 from .flattening import STRAIN
@@ -273,8 +274,7 @@ class MouldReport:
 def _percentile_95(panels: list[PanelFit]) -> float:
     stress = np.concatenate([own.stresses for own in panels])
     areas = np.concatenate([face_areas(own.vertices, own.faces) for own in panels])
-    order = np.argsort(stress, kind="stable")
-    return float(stress[order][np.searchsorted(np.cumsum(areas[order]), 0.95 * areas.sum())])
+    return on_most_of_the_area(stress, areas)
 
 
 def _many(number: int, what: str) -> str:

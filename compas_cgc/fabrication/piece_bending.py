@@ -8,12 +8,11 @@ from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from .bending import corner_operators
+from .figures import on_most_of_the_area
 from .patterns import Patterns
 from .shape_operators import principal_curvatures
 
 __all__ = ["pieces_in_position"]
-
-AREA_SHARE = 0.95  # of a piece, on which the radius is at least the one that is returned; curvature is unbounded at point supports
 
 
 def pieces_in_position(patterns: Patterns) -> list[tuple[float, str]]:
@@ -34,7 +33,8 @@ def pieces_in_position(patterns: Patterns) -> list[tuple[float, str]]:
         else:
             own = patterns.patchwork.piece == number
             bends = curvatures[patterns.patchwork.parent[own]]
-            most = _weighted_quantile(np.abs(bends).max(axis=1), face_areas(patterns.patchwork.space, patterns.patchwork.faces[own]))
+            areas = face_areas(patterns.patchwork.space, patterns.patchwork.faces[own])
+            most = on_most_of_the_area(np.abs(bends).max(axis=1), areas)
             bends = bends.mean(axis=0)
         sides = [side for side, there in (("away", (bends > 0.0).any()), ("towards", (bends < 0.0).any())) if there]
         found.append((1.0 / most if most else np.inf, " ".join(sides)))
@@ -47,8 +47,3 @@ def _principal(patterns: Patterns) -> FloatArray:
     mean = corner_operators(problem).mean(axis=1)
     own = principal_curvatures(mean, face_normals(problem.vertices, problem.faces))
     return np.column_stack([own.larger, own.smaller])
-
-
-def _weighted_quantile(values: FloatArray, weights: FloatArray) -> float:
-    order = np.argsort(values, kind="stable")
-    return float(values[order][np.searchsorted(np.cumsum(weights[order]), AREA_SHARE * weights.sum())])

@@ -19,7 +19,7 @@ from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 
-__all__ = ["MID_EDGE", "is_held_all_round", "measure_of", "measured_curvature", "measured_mean_curvature", "read_across"]
+__all__ = ["MID_EDGE", "has_free_edges", "is_held_all_round", "measure_of", "measured_curvature", "measured_mean_curvature", "read_across"]
 
 MID_EDGE = "mid-edge"
 
@@ -83,6 +83,11 @@ def read_across(problem: CGCProblem) -> IntArray:
     real, faces = problem.real_faces, problem.faces.copy()
     faces[real] = turned_corners(problem.vertices, faces[real], problem.roles == FIXED, problem.creases)
     return faces
+
+
+def has_free_edges(problem: CGCProblem) -> bool:
+    """Return whether some vertex of the rim is not fixed."""
+    return bool((problem.roles[boundary_vertices(problem.vertices, problem.faces)] != FIXED).any())
 
 
 def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:

@@ -10,13 +10,12 @@ from typing import Optional
 
 import numpy as np
 
-from ..discrete import boundary_vertices
 from ..model.goals.binding import finds_constants
 from ..model.goals.binding import held_by_newton
+from ..model.measures import has_free_edges
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
-from ..model.roles import FIXED
 from .polish.polisher import keeps_shape
 from .registry import METHODS
 from .registry import method_of
@@ -81,7 +80,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         return [RIM, PLAIN_RIM, BENDING]
     if is_held_all_round(problem, folded=True):
         return [FOLDED_RIM, HELD]
-    if (problem.roles[boundary_vertices(problem.vertices, problem.faces)] == FIXED).all() and not len(problem.creases):
+    if not has_free_edges(problem) and not len(problem.creases):
         return [HELD, BENDING]
     if keeps_shape(problem):
         return [DRAWN, BENDING]

@@ -12,16 +12,15 @@ from typing import Optional
 
 import numpy as np
 
-from ..discrete import boundary_vertices
 from ..discrete.space_form import EXACT
 from ..errors import joined
 from ..model.goals.wholes import Unknown
+from ..model.measures import has_free_edges
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
-from ..model.roles import FIXED
 from ..model.verdict import verdict
 from .allowance import Allowance
 from .choices import Choice
@@ -118,13 +117,9 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     with allowed.for_reasons().counted():
         why = reasons()
     best = best if why else with_half_a_sphere(problem, best)
-    if best.method == "bending" and best.status != "cancelled" and _has_free_edges(problem) and not contradiction(problem):
+    if best.method == "bending" and best.status != "cancelled" and has_free_edges(problem) and not contradiction(problem):
         why = joined([*filter(None, [why]), DRAWN_IN])
     return _told(best, choice, tried, why)
-
-
-def _has_free_edges(problem: CGCProblem) -> bool:
-    return bool((problem.roles[boundary_vertices(problem.vertices, problem.faces)] != FIXED).any())
 
 
 class _Attempt(NamedTuple):

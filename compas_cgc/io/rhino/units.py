@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from ...errors import FileError
+from ...fabrication.figures import SYMBOLS
 from ._types import UnitSystem
 from .archive import rhino3dm_module
 
 __all__ = ["unit_name", "unit_suffix", "unit_system"]
-
-_SHORT = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
 
 
 def unit_name(system: UnitSystem) -> str:
@@ -34,4 +33,4 @@ def unit_system(name: str) -> UnitSystem:
 
 def unit_suffix(name: str) -> str:
     """Return the suffix of a length in messages, such as `` mm``; empty for units without an abbreviation."""
-    return f" {_SHORT[name]}" if name in _SHORT else ""
+    return f" {SYMBOLS[name]}" if name in SYMBOLS else ""

@@ -14,9 +14,8 @@ from ...errors import FINER
 from ...errors import HALF
 from ...errors import HALVED
 from ...errors import Remedy
-from ...meshing import boundary_loops
+from ...model.measures import has_free_edges
 from ...model.problem import CGCProblem
-from ...model.roles import FIXED
 
 __all__ = ["CHANGE", "REMEDIES", "TEXTS", "remedies_in", "remedies_of"]
 
@@ -99,8 +98,7 @@ def _usual(problem: CGCProblem, known: bool) -> Iterator[Remedy]:
     if np.isfinite(targets).all() and targets.any() and not known:
         yield Remedy("limit", True)
         yield HALVED
-    edge = np.concatenate([np.empty(0, np.int64), *boundary_loops(problem.faces)])
-    if (problem.roles[edge] != FIXED).any():
+    if has_free_edges(problem):
         yield Remedy("supports", "boundary")
     yield FINER
 

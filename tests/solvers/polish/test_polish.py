@@ -248,7 +248,7 @@ def test_supports_are_lowered_from_a_saddle_where_plates_lead_to_branch_points()
 
 
 def test_of_saddles_that_miss_level_supports_by_as_much_all_are_found_anywhere():
-    """Rounding tells which comes first."""
+    """Which of them comes first depends on rounding."""
     random = np.random.default_rng(900)
     vertices, faces = mesh(outline("ellipse", random), "irregular", 220, random)
     rim = np.flatnonzero(boundary_vertices(vertices, faces))
