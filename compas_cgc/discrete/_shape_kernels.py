@@ -2,96 +2,90 @@
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
 from .._compiled import kernel
-from ._taylor import ROW
-from ._taylor import Orders
-from ._taylor import add_product
-from ._taylor import compose
-from ._taylor import multiply
+from ._taylor import BLOCK
+from ._taylor import PAIRS
+from ._taylor import SECOND
+from ._taylor import Expressions
+from ._taylor import evaluate
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
 from .arrays import Vectors
 from .arrays import Vertices
 
-__all__ = ["PARTS", "ROWS", "expand"]
-
-# Rows of the working space: edges and their cross product, then what is computed from them.
-EDGE, CROSS, SQUARE, ROOT, AREA, SIDE, LENGTH2, LENGTH, SCALE, UNIT, ALONG, ACROSS, TANGENT, TURN, TENSOR, SPARE = (
-    0, 9, 12, 13, 14, 15, 18, 19, 20, 21, 24, 25, 26, 27, 30, 48,
-)  # fmt: skip
-ROWS, PARTS = 50, 22
+__all__ = ["PARTS", "expanded"]
 
 
-@kernel(inner=True)
-def _expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, f: int, W: FloatArray, orders: Orders) -> None:
-    """Expand what a face contributes, as functions of the moves of its corners along their directions.
+def _parts(own: Expressions) -> list[int]:
+    """Return the rows of what a face contributes; the first inputs are its edges, the next ones the reference directions of these.
 
-    Rows from TURN (3): angle of the reference direction of each edge, from the normal outwards. Rows from TENSOR (18): of each edge
-    ``(e x c)(e x c)^T / (l |c|^2)`` with its vector e, its length l and the cross product c of two edges. Row AREA.
+    Of each edge the angle of the reference direction, from the normal outwards; of each edge ``(e x c)(e x c)^T / (l |c|^2)`` with its
+    vector e, its length l and the cross product c of two edges; and |c|, twice the area.
     """
-    for k in range(ROWS):
-        for x in range(ROW):
-            W[k, x] = 0.0
-    for k in range(3):
-        p, q = F[f, (k + 1) % 3], F[f, (k + 2) % 3]
-        for x in range(3):
-            W[EDGE + 3 * k + x, 0] = V[q, x] - V[p, x]
-            W[EDGE + 3 * k + x, 1 + (k + 1) % 3] = -U[p, x]
-            W[EDGE + 3 * k + x, 1 + (k + 2) % 3] = U[q, x]
-    for x in range(3):
-        y, z = (x + 1) % 3, (x + 2) % 3
-        add_product(W, orders, 1.0, EDGE + y, EDGE + 3 + z, CROSS + x)
-        add_product(W, orders, -1.0, EDGE + z, EDGE + 3 + y, CROSS + x)
-    for x in range(3):
-        add_product(W, orders, 1.0, CROSS + x, CROSS + x, SQUARE)
-    q = W[SQUARE, 0]
-    root = math.sqrt(q)
-    compose(W, orders, 0.5 * root, 0.25 / root, -0.125 / (q * root), SQUARE, AREA)
-    compose(W, orders, 1.0 / root, -0.5 / (q * root), 0.75 / (q * q * root), SQUARE, ROOT)
-    for k in range(3):
-        edge, at = EDGE + 3 * k, index[f, k]
-        for row in range(SIDE, TURN):
-            for x in range(len(orders)):
-                W[row, x] = 0.0
-        for x in range(3):
-            y, z = (x + 1) % 3, (x + 2) % 3
-            add_product(W, orders, 1.0, edge + y, CROSS + z, SIDE + x)
-            add_product(W, orders, -1.0, edge + z, CROSS + y, SIDE + x)
-            add_product(W, orders, 1.0, edge + x, edge + x, LENGTH2)
-        for x in range(len(orders)):
-            for y in range(3):
-                W[ALONG, x] += R[at, y] * W[SIDE + y, x]
-                W[SPARE, x] = W[SPARE, x] + R[at, y] * W[CROSS + y, x] if y else R[at, y] * W[CROSS + y, x]
-        l2 = W[LENGTH2, 0]
-        l = math.sqrt(l2)
-        compose(W, orders, l, 0.5 / l, -0.25 / (l * l2), LENGTH2, LENGTH)
-        multiply(W, orders, LENGTH, SPARE, ACROSS)
-        x0, y0 = W[ACROSS, 0], W[ALONG, 0]
-        compose(W, orders, 1.0 / x0, -1.0 / (x0 * x0), 2.0 / (x0 * x0 * x0), ACROSS, SPARE)
-        multiply(W, orders, ALONG, SPARE, TANGENT)
-        slope = 1.0 / (1.0 + W[TANGENT, 0] * W[TANGENT, 0])
-        compose(W, orders, math.atan2(y0, x0), slope, -2.0 * W[TANGENT, 0] * slope * slope, TANGENT, TURN + k)
-        quarter = math.sqrt(l)
-        compose(W, orders, 1.0 / quarter, -0.25 / (l2 * quarter), 0.3125 / (l2 * l2 * quarter), LENGTH2, SPARE)
-        multiply(W, orders, SPARE, ROOT, SCALE)
-        for x in range(3):
-            multiply(W, orders, SIDE + x, SCALE, UNIT + x)
-        entry = TENSOR + 6 * k
-        for x in range(3):
-            for y in range(x, 3):
-                multiply(W, orders, UNIT + x, UNIT + y, entry)
-                entry += 1
+    edges, references = [own.inputs(3) for _ in range(3)], [own.inputs(3) for _ in range(3)]
+    c = own.cross(edges[0], edges[1])
+    double = own.root(own.dot(c, c))
+    by_double = own.inverse(double)
+    angles, tensors = [], []
+    for e, reference in zip(edges, references):
+        side, length = own.cross(e, c), own.root(own.dot(e, e))
+        across = own.product(length, own.component(reference, c))
+        tangent = own.product(own.component(reference, side), own.inverse(across))
+        angles.append(own.angle(tangent, across))
+        scale = own.product(own.inverse(own.root(length)), by_double)
+        m = [own.product(x, scale) for x in side]
+        tensors += [own.product(m[x], m[y]) for x in range(3) for y in range(x, 3)]
+    return [*angles, *tensors, double]
+
+
+_expressions = Expressions()
+_outputs = np.array(_parts(_expressions))
+PARTS = len(_outputs)
+
+
+def expanded(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, orders: int) -> FloatArray:
+    """Return what every face contributes (m, 22, orders), as functions of the moves of its corners along their directions.
+
+    Three angles of references, three tensors of six entries, and the area, up to first derivatives for 4 orders, up to second ones for 10.
+    """
+    out = np.empty((len(F), PARTS, orders))
+    work = np.zeros((_expressions.rows + 1, SECOND, BLOCK))
+    _expand(V, F, U, R, index, _expressions.operations, PAIRS, _outputs, work, out)
+    return out
 
 
 @kernel()
-def expand(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, W: FloatArray, orders: Orders, out: FloatArray) -> None:
-    """Write what every face contributes into `out` (m, 22, 4 or 10): three angles, three tensors of six entries, and its area."""
-    for f in range(F.shape[0]):
-        _expand(V, F, U, R, index, f, W, orders)
-        for x in range(len(orders)):
-            for k in range(PARTS - 1):
-                out[f, k, x] = W[TURN + k, x]
-            out[f, PARTS - 1, x] = W[AREA, x]
+def _expand(
+    V: Vertices,
+    F: Faces,
+    U: Vectors,
+    R: Vectors,
+    index: IntArray,
+    operations: IntArray,
+    pairs: IntArray,
+    outputs: IntArray,
+    W: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write the parts of all faces into `out`, a block of faces after the other; the last block ends with copies of the last face."""
+    m, last = len(F), len(outputs) - 1
+    for first in range(0, m, BLOCK):
+        for lane in range(BLOCK):
+            f = min(first + lane, m - 1)
+            for k in range(3):
+                p, q = F[f, (k + 1) % 3], F[f, (k + 2) % 3]
+                for x in range(3):
+                    edge = W[3 * k + x]
+                    edge[0, lane] = V[q, x] - V[p, x]
+                    edge[1 + (k + 1) % 3, lane] = -U[p, x]
+                    edge[1 + (k + 2) % 3, lane] = U[q, x]
+                    W[9 + 3 * k + x, 0, lane] = R[index[f, k], x]
+        evaluate(operations, pairs, out.shape[2], W)
+        for lane in range(min(BLOCK, m - first)):
+            for at in range(out.shape[2]):
+                for k in range(last):
+                    out[first + lane, k, at] = W[outputs[k], at, lane]
+                out[first + lane, last, at] = 0.5 * W[outputs[last], at, lane]

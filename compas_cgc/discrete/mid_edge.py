@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from functools import partial
 from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
 from scipy import sparse
 
-from ._shape_kernels import PARTS
-from ._shape_kernels import ROWS
-from ._shape_kernels import expand
+from ._shape_kernels import expanded
 from ._taylor import FIRST
-from ._taylor import ROW
+from ._taylor import SECOND
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
@@ -62,7 +61,7 @@ class ShapeOperators:
     Parameters
     ----------
     expanded
-        Returns what :func:`expand` writes (m, 22, k), with k = 4 up to first derivatives, and k = 10 up to second ones, which are computed
+        Returns what :func:`expanded` does (m, 22, k), with k = 4 up to first derivatives, and k = 10 up to second ones, which are computed
         when they are asked for.
     sign
         ``(m, 3)`` of the angles.
@@ -78,8 +77,8 @@ class ShapeOperators:
 
     def to_second_order(self) -> ShapeOperators:
         """Return the same with second derivatives."""
-        if self._rows.shape[2] < ROW:
-            self._rows = self._with_angles(ROW)
+        if self._rows.shape[2] < SECOND:
+            self._rows = self._with_angles(SECOND)
         return self
 
     def _with_angles(self, count: int) -> FloatArray:
@@ -186,12 +185,8 @@ class MidEdgeMesh:
         """Return the shape operators for vertices (n, 3) [L] and angles (a,) [rad]."""
         own = self.angles
 
-        def expanded(count: int) -> FloatArray:
-            parts = np.empty((len(self.faces), PARTS, count))
-            expand(vertices, self.faces, self.directions, self.references, own.of_faces, np.empty((ROWS, ROW)), (True,) * count, parts)
-            return parts
-
-        return ShapeOperators(expanded, own.sign, own.sign * angles[own.of_faces])
+        parts = partial(expanded, vertices, self.faces, self.directions, self.references, own.of_faces)
+        return ShapeOperators(parts, own.sign, own.sign * angles[own.of_faces])
 
     def averages(self, operators: ShapeOperators) -> Curvatures:
         """Return the averages over every pair."""
