@@ -17,6 +17,7 @@ from compas_cgc.fabrication.shell.edges import region_edges
 from compas_cgc.fabrication.shell.heights import HeightSpace
 from compas_cgc.fabrication.shell.patches import region_patches
 from compas_cgc.fabrication.shell.regions import region_surfaces
+from compas_cgc.fabrication.shell.singular import singular_vertices
 from compas_cgc.io.step import step_bytes
 
 occt = pytest.importorskip("compas_occt._occt")
@@ -129,6 +130,42 @@ def test_creases_keep_their_folds(facade):
     assert not len(fit.kinks)
     folds = [np.median(kinks(fit, edge, curve)) for edge, curve in zip(fit.edges, fit.curves) if len(edge.regions) == 2]
     assert len(folds) == 2 and min(folds) > 14.0
+
+
+@pytest.fixture(scope="module")
+def saddle_amid_hills():
+    """Return the solved roof of nine regions with K < 0 in the middle."""
+    mesh = compas_cgc.CGCMesh.from_meshgrid(dx=15.0, nx=24)
+    lines = np.arange(625).reshape(25, 25)
+    mesh.set_supports(lines[[0, 0, -1, -1], [0, -1, 0, -1]].tolist())
+    mesh.set_creases([line.tolist() for k in (8, 16) for line in (lines[k], lines[:, k])])
+    problem = mesh.to_problem().with_targets(0.01)
+    V, F = mesh.arrays()
+    middle = int(problem.regions()[np.linalg.norm((V[F].mean(axis=1) - V.mean(axis=0)), axis=1).argmin()])
+    return compas_cgc.solve(problem.with_targets(-0.04, region=middle))
+
+
+def test_a_region_with_negative_curvature_amid_others_is_written(saddle_amid_hills, tmp_path):
+    fit = region_surfaces(saddle_amid_hills.problem)
+    assert fit.gap < 1e-5 and fit.distance < 5e-4 * fit.scale and fit.percentiles()[1] < 0.02
+    assert len(fit.away) > 0.6 * len(saddle_amid_hills.problem.faces)
+    (note,) = compas_cgc.write(tmp_path / "roof.step", saddle_amid_hills)
+    assert note.startswith("9 faces in one shell")
+    shell = shell_of(tmp_path / "roof.step")
+    assert occt.is_valid(shell) and len(occt.shape_explore(shell, FACE)) == 9 and len(free_edges(shell)) == 12
+
+
+def test_edges_between_hills_and_bowls_are_singular(facade, saddle_amid_hills):
+    """Four edges at least, each from a corner of the region in the middle to the rim."""
+    problem = saddle_amid_hills.problem
+    edges = region_edges(problem.vertices, problem.faces, problem.regions())
+    found = singular_vertices(problem, edges)
+    inside = [edge for edge in edges if len(edge.regions) == 2]
+    singular = [edge for edge in inside if np.isin(edge.path, found).all()]
+    assert len(singular) == 4 and all(len(edge.path) == 9 for edge in singular)
+    assert set(found) == {*problem.supports, *np.concatenate([edge.path for edge in singular])}
+    edges = region_edges(facade.problem.vertices, facade.problem.faces, facade.problem.regions())
+    assert np.array_equal(singular_vertices(facade.problem, edges), np.unique(facade.problem.supports))
 
 
 def test_a_sphere_with_a_courtyard_is_trimmed_to_its_area(tmp_path):

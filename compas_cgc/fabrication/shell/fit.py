@@ -31,8 +31,9 @@ from .heights import HeightSpace
 from .heights import curvature
 from .joints import Joints
 from .joints import Region
+from .singular import singular_vertices
 
-__all__ = ["AIM", "CLOSE", "LOOSE", "AccuracyNote", "Fit", "Piece", "fitted", "reference", "samples"]
+__all__ = ["AIM", "AWAY_FROM", "CLOSE", "LOOSE", "AccuracyNote", "Fit", "Piece", "distances", "fitted", "reference", "samples"]
 
 MIN_COSINE = 0.05  # least cosine between the face normals of a region and its direction of projection
 LEVEL_COSINE = 0.6  # least cosine for a projection along the mean normal
@@ -44,7 +45,7 @@ MAX_SEAM_KINK = np.radians(3.0)  # median kink of an edge up to which regions ar
 KINK = np.radians(0.35)  # kink at a smooth edge that costs as much as CURVATURE_ERROR
 ROUGHNESS = 1e-10  # weight of the squared third derivative for edges of length 1
 START_ROUGHNESS = 1e-4  # the same for the initial surface through the vertices
-HELD_MARGIN = 3.0  # distance from supports, in mesh edges, up to which the weight of K is reduced: it may be singular there
+SINGULAR_MARGIN = 3.0  # distance from singular vertices, in mesh edges, up to which the weight of K is reduced
 MARGIN_POWER = 8.0  # high enough that K nearly counts only where its error is measured
 CROSSING_MARGIN = 0.5  # the same for points where three or more regions meet
 # Factors on DISTANCE, errors of K in units of CURVATURE_ERROR beyond which they are outliers, and gaps that cost as much as DISTANCE,
@@ -74,9 +75,10 @@ MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the siz
 COARSE_DISTANCE = 1e-3  # the largest one, for meshes whose faces are as far from the surface
 MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
 MAX_KINK = 2.0  # tolerance of the kink at smooth edges, 95th percentile [deg]
-MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from supports
+MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from singular vertices
 AIM = 0.02  # the same error, below which surfaces are compared by their distance and gap too
-AWAY = 2.0  # distance from supports, in mesh edges, beyond which the error of K counts
+AWAY = 2.0  # distance from singular vertices, in mesh edges, beyond which the error of K counts
+AWAY_FROM = "away from supports and singular edges"  # in words
 DAMPING = 1e-6  # relative to the mean of the diagonal
 SAMPLES_PER_EDGE = 4  # points of a shared edge per mesh edge
 FACE_POINTS = (np.array([[2, 0, 0], [1, 1, 0], [1, 0, 1], [0, 2, 0], [0, 1, 1], [0, 0, 2]]) + 1 / 3) / 3.0  # barycentric
@@ -140,12 +142,13 @@ class Fit(NamedTuple):
     kink_edges: IntArray  # (n,) edge of each of these points
     kink_points: FloatArray  # (n, 3) the points, in the frame
     distance: float  # largest distance of a vertex from its surface [L]
-    sagitta: float  # largest distance of a face from the surface over it, away from supports [L]
+    sagitta: float  # largest distance of a face from the surface over it, away from singular vertices [L]
     errors: FloatArray  # (m,) error of K at the face centres relative to its target, NaN where no K is prescribed
-    away: IntArray  # faces away from supports
+    singular: FloatArray  # (k, 3) vertices at which the curvature has no bound, in the frame
+    away: IntArray  # faces away from them
 
     def percentiles(self) -> FloatArray:
-        """Return the 50th, 95th and 100th percentile of the error of K away from supports, relative to its target (3,)."""
+        """Return the 50th, 95th and 100th percentile of the error of K away from singular vertices, relative to its target (3,)."""
         errors = self.errors[self.away]
         errors = errors[np.isfinite(errors)]
         return np.percentile(errors, [50, 95, 100]) if len(errors) else np.zeros(3)
@@ -175,7 +178,7 @@ class Fit(NamedTuple):
         text = f"{factor * self.gap:.2g}{unit} apart at most, within {factor * self.distance:.3g}{unit} of the mesh; "
         if len(self.kinks):
             text += "kinks at smooth seams {:.2g} (50 %), {:.2g} (95 %), {:.2g} degrees (100 %); ".format(*self.kink_percentiles())
-        return text + f"error of K away from supports {half:.2g} % (50 %), {most:.2g} % (95 %), {largest:.2g} % (100 %)"
+        return text + f"error of K {AWAY_FROM} {half:.2g} % (50 %), {most:.2g} % (95 %), {largest:.2g} % (100 %)"
 
     def note(self, errors: FloatArray, factor: float, unit: str, before: str, after: str = "") -> AccuracyNote:
         """Return a note on the accuracy, as a sentence and as figures for errors of K (3,); lengths are multiplied by a factor."""
@@ -236,6 +239,7 @@ class _System:
         self.V = (V - self.centre) / self.scale
         self.edge = float(np.linalg.norm(self.V[F[:, 1]] - self.V[F[:, 0]], axis=1).mean())
         self.edges = region_edges(self.V, F, self.label)
+        self.singular = self.V[singular_vertices(problem, self.edges)]
         self.lines = [samples(self.V[edge.path]) for edge in self.edges]
         self.regions = self._regions(cell)
         self.size = sum(region.splines.space.size for region in self.regions)
@@ -281,18 +285,16 @@ class _System:
         self.target = np.concatenate([np.full(len(xy), targets[k]) for k, xy in enumerate(self.places)])
         floors = [reference(K, own.plan[own.used], 1.0) for own, K in zip(self.regions, targets)]
         self.reference = np.concatenate([np.full(len(xy), floors[k]) for k, xy in enumerate(self.places)])
-        held = self.V[self.problem.supports]
         points = np.concatenate([np.einsum("pc,fcx->fpx", FACE_POINTS, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
-        distance = cKDTree(held).query(points)[0] / self.edge if len(held) else np.full(len(points), np.inf)
-        weight = np.minimum(1.0, distance / HELD_MARGIN) ** MARGIN_POWER
+        weight = np.minimum(1.0, distances(points, self.singular) / (SINGULAR_MARGIN * self.edge)) ** MARGIN_POWER
         around: dict[int, set[int]] = {}
         for edge in self.edges:
             for end in edge.path[[0, -1]].tolist():
                 around.setdefault(end, set()).update(edge.regions)
         crossings = [vertex for vertex, regions in around.items() if len(regions) > 2]
         if crossings:
-            distance = cKDTree(self.V[crossings]).query(points)[0] / self.edge
-            weight = np.minimum(weight, np.minimum(1.0, distance / CROSSING_MARGIN) ** MARGIN_POWER)
+            near = distances(points, self.V[crossings]) / (CROSSING_MARGIN * self.edge)
+            weight = np.minimum(weight, np.minimum(1.0, near) ** MARGIN_POWER)
         self.curved = np.where(np.isfinite(self.target), weight, 0.0) / len(points)
 
     def errors(self, x: FloatArray) -> FloatArray:
@@ -353,8 +355,7 @@ class _System:
     def _measured(self, x: FloatArray) -> Fit:
         joined, size = self.joints.at(x), self.scale
         V, F = self.V, self.problem.faces
-        held = V[self.problem.supports]
-        distant = cKDTree(held).query(V[F].mean(axis=1))[0] > AWAY * self.edge if len(held) else np.ones(len(F), bool)
+        distant = distances(V[F].mean(axis=1), self.singular) > AWAY * self.edge
         pieces = [self._piece(region, x) for region in self.regions]
         distance = sagitta = 0.0
         for number, (region, piece) in enumerate(zip(self.regions, pieces)):
@@ -368,13 +369,19 @@ class _System:
         kinks = np.degrees(np.arcsin(np.minimum(joined.sines[self.smooth], 1.0)))
         smooth = joined.edges[self.smooth], np.concatenate(joined.curves)[self.joints.shared][self.smooth]
         away, distance, sagitta = np.flatnonzero(distant), size * distance, size * sagitta
-        return Fit(pieces, self.centre, size, self.edges, joined.curves, gap, kinks, *smooth, distance, sagitta, self.errors(x), away)
+        frame = self.centre, size
+        return Fit(pieces, *frame, self.edges, joined.curves, gap, kinks, *smooth, distance, sagitta, self.errors(x), self.singular, away)
 
 
 def _offsets(piece: Piece, local: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the heights of points (k, 3) over a surface, and the cosines of its slopes (k,)."""
     z, p, q = (piece.space.basis(local[:, :2], order) @ piece.coefficients for order in ((0, 0), (1, 0), (0, 1)))
     return local[:, 2] - z, 1.0 / np.sqrt(1.0 + p * p + q * q)
+
+
+def distances(points: FloatArray, others: FloatArray) -> FloatArray:
+    """Return the distance of points (..., 3) to the nearest of other points (n, 3), infinite if there are none."""
+    return cKDTree(others).query(points)[0] if len(others) else np.full(points.shape[:-1], np.inf)
 
 
 def reference(target: float, points: FloatArray, size: float) -> float:

@@ -8,15 +8,16 @@ from typing import Optional
 import numpy as np
 from scipy.interpolate import BSpline
 from scipy.interpolate import make_interp_spline
-from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
 from ...discrete.nurbs import NurbsPatch
 from ...errors import MeshError
 from ...model.problem import CGCProblem
 from .fit import AWAY
+from .fit import AWAY_FROM
 from .fit import MAX_CURVATURE_ERROR
 from .fit import Fit
+from .fit import distances
 from .fit import reference
 from .heights import DEGREE
 from .heights import SECOND_ORDERS
@@ -49,7 +50,7 @@ class Patches(NamedTuple):
 
     patches: list[Patch]
     sides: list[FloatArray]  # (n, 3) points on every edge of the regions, in the frame of the fit
-    percentiles: FloatArray  # (3,) 50th, 95th and 100th percentile of the error of K away from supports, relative to the target
+    percentiles: FloatArray  # (3,) 50th, 95th and 100th percentile of the error of K away from singular vertices, relative to the target
 
 
 def region_patches(problem: CGCProblem, fit: Fit) -> Patches:
@@ -69,7 +70,7 @@ def region_patches(problem: CGCProblem, fit: Fit) -> Patches:
     if error > MAX_CURVATURE_ERROR:
         raise MeshError(
             f"no NURBS surfaces of the regions were written, because their K differs from its target by {100 * error:.3g} % "
-            "(95th percentile away from supports); refine the mesh, or write .step"
+            f"(95th percentile {AWAY_FROM}); refine the mesh, or write .step"
         )
     return made
 
@@ -81,11 +82,11 @@ def _measured(problem: CGCProblem, fit: Fit, spans: int) -> Patches:
 
 
 def curvature_errors(problem: CGCProblem, fit: Fit, made: list[Patch]) -> FloatArray:
-    """Return the error of K of patches on a grid, away from supports, relative to the targets (k,).
+    """Return the error of K of patches on a grid, away from singular vertices, relative to the targets (k,).
 
     Patches that extend beyond their region are measured at the faces of the region.
     """
-    supports = problem.vertices[problem.supports]
+    singular = fit.centre + fit.scale * fit.singular
     edge = np.linalg.norm(problem.vertices[problem.faces[:, 0]] - problem.vertices[problem.faces[:, 1]], axis=1).mean()
     found = [np.empty(0)]
     label = problem.regions()[fit.away]
@@ -102,8 +103,7 @@ def curvature_errors(problem: CGCProblem, fit: Fit, made: list[Patch]) -> FloatA
         K = (e * g - f * f) / np.maximum((normal**2).sum(axis=-1), 1e-300) ** 2
         used = problem.vertices[np.unique(problem.faces[problem.regions() == region])]
         error = np.abs(K - target) / reference(target, used, fit.scale)
-        away = cKDTree(supports).query(point)[0] > AWAY * edge if len(supports) else np.ones(error.shape, bool)
-        found.append(error[away])
+        found.append(error[distances(point, singular) > AWAY * edge])
     return np.concatenate(found)
 
 

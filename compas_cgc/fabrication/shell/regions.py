@@ -7,6 +7,7 @@ from typing import Optional
 from ...errors import MeshError
 from ...model.problem import CGCProblem
 from .fit import AIM
+from .fit import AWAY_FROM
 from .fit import CLOSE
 from .fit import LOOSE
 from .fit import MAX_CURVATURE_ERROR
@@ -57,7 +58,7 @@ def region_surfaces(problem: CGCProblem) -> Fit:
         f"they are {1e3 * fit.distance / size:.3g} thousandths of the roof's size from the mesh": fit.distance > fit.reach,
         f"neighbouring surfaces are {1e3 * fit.gap / size:.3g} thousandths of the roof's size apart": fit.gap > MAX_GAP * size,
         f"they kink at smooth seams by {kink:.2g} degrees (95th percentile)": kink > MAX_KINK,
-        f"K differs from its target by {100 * error:.3g} % (95th percentile away from supports)": error > MAX_CURVATURE_ERROR,
+        f"K differs from its target by {100 * error:.3g} % (95th percentile {AWAY_FROM})": error > MAX_CURVATURE_ERROR,
     }
     missed = " and ".join(reason for reason, missing in reasons.items() if missing)
     raise MeshError(f"no smooth surfaces of the regions were written, because {missed}; refine the mesh")
