@@ -58,6 +58,16 @@ def test_surfaces_meet_and_have_their_curvature(facade):
     assert half < 0.002 and most < 0.02
 
 
+def test_edges_of_surfaces_are_the_curves_through_the_vertices(facade):
+    """They do not wave between the vertices, least of all along supports, where K is singular."""
+    fit = region_surfaces(facade.problem)
+    V = facade.problem.vertices
+    off = [
+        np.linalg.norm(shell_fit.samples(V[edge.path]) - fit.centre - fit.scale * own, axis=1) for edge, own in zip(fit.edges, fit.curves)
+    ]
+    assert np.concatenate(off).max() < 0.002
+
+
 @pytest.fixture(scope="module")
 def panels():
     """Return a roof of 24 panels on three moulds."""

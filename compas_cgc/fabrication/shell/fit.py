@@ -1,8 +1,8 @@
 """Smooth surfaces of all regions at once: heights over a plane for each region, equal along the edges that regions share.
 
-Heights are tensor-product splines. Gauss-Newton minimises the error of K at points of all faces, the distance from the vertices,
-the gaps along shared edges, the kinks along smooth ones and the roughness. The regions are fitted together, so that neighbours meet
-along one curve, with small kinks along seams that are meant to be smooth.
+Heights are tensor-product splines. Gauss-Newton minimises the error of K at points of all faces, the distance from the vertices
+and edges, the gaps along shared edges, the kinks along smooth ones and the roughness. The regions are fitted together, so that
+neighbours meet along one curve, with small kinks along seams that are meant to be smooth.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ __all__ = ["AIM", "AWAY_FROM", "CLOSE", "LOOSE", "AccuracyNote", "Fit", "Piece",
 
 MIN_COSINE = 0.05  # least cosine between the face normals of a region and its direction of projection
 LEVEL_COSINE = 0.6  # least cosine for a projection along the mean normal
-DISTANCE = 7e-5  # distance of a vertex, relative to the size, that costs as much as CURVATURE_ERROR
+DISTANCE = 7e-5  # distance of a vertex or an edge, relative to the size, that costs as much as CURVATURE_ERROR
 CURVATURE_ERROR = 0.003  # error of K relative to its target
 CURVATURE_FLOOR = 0.02  # smallest reference for errors of K, for a surface of size 1
 REGION_FLOOR = 0.005  # the same for a region of size 1, whose development such an error of K strains by about 2e-4
@@ -71,7 +71,7 @@ LOOSE = (
 )
 Stages = tuple[tuple[float, float, float], ...]
 MEASURED_GAP = 1e-3  # relative gap of the stages whose surfaces are candidates
-MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices relative to the size
+MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices and edges relative to the size
 COARSE_DISTANCE = 1e-3  # the largest one, for meshes whose faces are as far from the surface
 MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
 MAX_KINK = 2.0  # tolerance of the kink at smooth edges, 95th percentile [deg]
@@ -141,7 +141,7 @@ class Fit(NamedTuple):
     kinks: FloatArray  # (n,) angles between the normals at the points of shared edges that are meant to be smooth [deg]
     kink_edges: IntArray  # (n,) edge of each of these points
     kink_points: FloatArray  # (n, 3) the points, in the frame
-    distance: float  # largest distance of a vertex from its surface [L]
+    distance: float  # largest distance of a vertex, or of a point of an edge between vertices, from its surface [L]
     sagitta: float  # largest distance of a face from the surface over it, away from singular vertices [L]
     errors: FloatArray  # (m,) error of K at the face centres relative to its target, NaN where no K is prescribed
     singular: FloatArray  # (k, 3) vertices at which the curvature has no bound, in the frame
@@ -159,7 +159,7 @@ class Fit(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """Tolerance of the distance of vertices [L], larger for coarse meshes, which are inaccurate themselves."""
+        """Tolerance of the distance of vertices and edges [L], larger for coarse meshes, which are inaccurate themselves."""
         return max(MAX_DISTANCE * self.scale, min(self.sagitta, COARSE_DISTANCE * self.scale))
 
     def rank(self) -> tuple[float, bool, float, float]:
@@ -270,8 +270,15 @@ class _System:
         return [region.splines.placed(rows(region), self.size) for region in self.regions]
 
     def _tether(self) -> None:
-        self.near = sparse.vstack(self._stack(lambda region: region.splines.space.basis(region.plan[region.used, :2]))).tocsr()
-        self.heights = np.concatenate([region.plan[region.used, 2] for region in self.regions])
+        """Prepare the distance from vertices, and from points of edges between them, where little else holds a surface."""
+        self.guides, counts = [], []
+        for number, own in enumerate(self.regions):
+            edges = [line @ own.splines.axes.T for edge, line in zip(self.edges, self.lines) if number in edge.regions]
+            self.guides.append(np.concatenate([own.plan[own.used], *edges]))
+            counts.append(np.full(len(self.guides[-1]), 1.0 / SAMPLES_PER_EDGE))
+            counts[-1][: len(own.used)] = 1.0
+        rows = [own.splines.placed(own.splines.space.basis(at[:, :2]), self.size) for own, at in zip(self.regions, self.guides)]
+        self.near, self.heights, self.counts = sparse.vstack(rows).tocsr(), np.concatenate(self.guides)[:, 2], np.concatenate(counts)
 
     def _curvature(self) -> None:
         targets = [np.nan if K is None else K * self.scale**2 for K in self.problem.region_targets()]
@@ -312,9 +319,10 @@ class _System:
 
     def solved(self, stages: Stages) -> Fit:
         """Return the fit."""
-        count, stiff = len(self.heights), self.edge**4 * self.rough
-        x = splu((self.near.T @ self.near / count + START_ROUGHNESS * stiff).tocsc()).solve(self.near.T @ self.heights / count)
-        own, tried = np.ones(count), []
+        count, stiff = self.counts.sum(), self.edge**4 * self.rough
+        near = self.near.multiply((self.counts / count)[:, None]).tocsr()
+        x = splu((self.near.T @ near + START_ROUGHNESS * stiff).tocsc()).solve(near.T @ self.heights)
+        own, tried = self.counts, []
         self.smooth = self.joints.smooth(self.joints.at(x).kinks, MAX_SEAM_KINK)
         stiff = ROUGHNESS / DISTANCE**2 * stiff
         for looser, outlier, joint in stages:
@@ -325,8 +333,8 @@ class _System:
             by = sum(rates[1:], rates[0]).tocsr()
             by.data[~np.isfinite(by.data)] = 0.0
             off = self.heights - self.near @ x
-            own *= np.maximum(1.0, np.abs(off) / (looser * DISTANCE))
-            own /= np.sqrt(own.mean())
+            own = own * np.maximum(1.0, np.abs(off) / (looser * DISTANCE))
+            own = own / np.sqrt(own.sum() / count)
             tether = own / count / (looser * DISTANCE) ** 2
             joined = self.joints.at(x)
             join = 1.0 / (joint * DISTANCE) ** 2 / max(len(joined.gaps), 1)
@@ -359,7 +367,7 @@ class _System:
         pieces = [self._piece(region, x) for region in self.regions]
         distance = sagitta = 0.0
         for number, (region, piece) in enumerate(zip(self.regions, pieces)):
-            off, upright = _offsets(piece, region.plan[region.used])
+            off, upright = _offsets(piece, self.guides[number])
             distance = max(distance, float(np.abs(off * upright).max()))
             corners = region.plan[region.faces]
             corners[..., 2] -= _offsets(piece, corners.reshape(-1, 3))[0].reshape(-1, 3)
