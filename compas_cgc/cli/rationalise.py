@@ -92,19 +92,15 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..io import known_suffix
     from ..rationalisation import rationalise
-    from ..rationalisation import read_design
+    from ..rationalisation.design import given_design
 
     if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
         raise FileError(f"--nurbs requires a .3dm output file, not {arguments.output}")
     echo = printer(arguments.quiet)
     own = arguments.seams
     layer = own if own not in (None, *NAMED) and Path(own).suffix.lower() != ".3dm" else None
-    design = read_design(arguments.input, seams=layer)
-    units = design.drawing.units
-    if arguments.tolerance is not None:
-        design = read_design(arguments.input, seams=layer, tolerance=length(arguments.tolerance, units, "--tolerance"))
-    for note in design.notes:
-        echo(f"{arguments.input}: {note}")
+    given = given_design(arguments.input, seams=layer)
+    units = given.drawing.units
     within = None if arguments.within is None else length(arguments.within, units, "--within")
     radii, locked = _kept(arguments)
     moulds: Union[int, Sequence[float], None] = radii or arguments.moulds
@@ -119,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         try:
             found = rationalise(
-                design,
+                given,
                 moulds=moulds,
                 panel=None if arguments.panel is None else length(arguments.panel, units, "--panel"),
                 seams=_seams(own),
@@ -127,11 +123,14 @@ def run(arguments: argparse.Namespace) -> int:
                 flat=arguments.flat,
                 supports=arguments.supports,
                 edges=arguments.edges,
+                tolerance=None if arguments.tolerance is None else length(arguments.tolerance, units, "--tolerance"),
                 locked=locked,
                 callback=watch,
             )
         finally:
             line.close()
+    for note in found.design.notes:
+        echo(f"{arguments.input}: {note}")
     echo(found.summary)
     written, notes = _write(arguments, found)
     for note in notes:
@@ -139,7 +138,7 @@ def run(arguments: argparse.Namespace) -> int:
     for path in written:
         echo(f"wrote {path}")
     if arguments.sweep is not None and not found.cancelled:
-        for path in _write_sweep(arguments, design, echo):
+        for path in _write_sweep(arguments, found.design, echo):
             echo(f"wrote {path}")
     if found.cancelled:
         return INTERRUPTED

@@ -27,7 +27,7 @@ from .spline_surface import SplineSurface
 from .unwrapping import Unwrapped
 from .unwrapping import unwrapped
 
-__all__ = ["Design", "DesignInput", "read_design"]
+__all__ = ["Design", "DesignInput", "GivenDesign", "given_design", "read_design"]
 
 STEP = (".step", ".stp")
 
@@ -44,7 +44,8 @@ class DesignMesh(NamedTuple):
 
     vertices: FloatArray  # (n, 3) [L]
     polygons: Sequence[Sequence[int]]  # corners of its faces
-    notes: tuple[str, ...] = ()  # on the surface fitted to it
+    tolerance: float  # of the surface fitted to it, whether or not it is met [L]
+    notes: tuple[str, ...] = ()  # on this surface
 
 
 class Design(NamedTuple):
@@ -68,10 +69,38 @@ class Design(NamedTuple):
         notes = tuple(note for note in self.notes if note not in self.mesh.notes) + made.notes
         return made._replace(supports=self.supports, seams=self.seams, drawing=self.drawing, notes=notes)
 
+    def finer(self, limit: float) -> Design:
+        """Return the design, refitted if its surface deviates more than a limit [L] and was fitted within a larger tolerance."""
+        met = self.mesh is None or min(self.deviation, self.mesh.tolerance) <= limit
+        return self if met else self.refitted(limit)
+
     @property
     def trimmed(self) -> bool:
         """Whether the rim is not that of the parameters."""
         return bool(self.rims)
+
+
+class GivenDesign(NamedTuple):
+    """A design as it is given, before a surface is fitted to its mesh."""
+
+    surface: Optional[SplineSurface]  # None for a mesh
+    vertices: FloatArray  # (n, 3) of its mesh [L]
+    polygons: Sequence[Sequence[int]]  # corners of the faces of its mesh
+    tolerance: Optional[float] = None  # default of the surface fitted to it [L]; None: by its size
+    supports: tuple[FloatArray, ...] = ()  # (k, 3) points that are held, or points along curves [L]
+    seams: tuple[FloatArray, ...] = ()  # (k, 3) points along drawn seams [L]
+    drawing: Drawing = Drawing()
+    notes: tuple[str, ...] = ()
+
+    def fitted(self, tolerance: Optional[float] = None, finest: float = np.inf) -> Design:
+        """Return the design with its surface, fitted to a mesh within a tolerance, or the default one up to a limit [L]."""
+        if self.surface is not None:
+            made = Design(self.surface, (), 0.0)
+        else:
+            if tolerance is None and self.tolerance is not None:
+                tolerance = min(self.tolerance, finest)
+            made = _fitted(self.vertices, self.polygons, tolerance, finest)
+        return made._replace(supports=self.supports, seams=self.seams, drawing=self.drawing, notes=(*self.notes, *made.notes))
 
 
 def read_design(
@@ -116,22 +145,29 @@ def read_design(
     """
     limit = np.inf if finest is None else finest
     if isinstance(design, Design):
-        return design if tolerance is not None or design.deviation <= limit else design.refitted(limit)
+        return design if tolerance is not None else design.finer(limit)
+    return given_design(design, seams).fitted(tolerance, limit)
+
+
+def given_design(design: DesignInput, seams: Optional[str] = None) -> GivenDesign:
+    """Return a design, as for :func:`read_design`, without fitting a surface to its mesh, for those who need its units first."""
+    if isinstance(design, GivenDesign):
+        return design
     if isinstance(design, SplineSurface):
-        return Design(design, (), 0.0)
+        return GivenDesign(design, np.empty((0, 3)), ())
     if isinstance(design, (str, os.PathLike)):
-        return _from_file(Path(design), tolerance, seams, limit)
-    vertices, faces, drawing = _arrays_of(design)
-    return _fitted(vertices, faces, tolerance, limit)._replace(drawing=drawing)
+        return _from_file(Path(design), seams)
+    vertices, polygons, drawing = _arrays_of(design)
+    return GivenDesign(None, vertices, polygons, drawing=drawing)
 
 
-def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str], limit: float) -> Design:
+def _from_file(path: Path, seams: Optional[str]) -> GivenDesign:
     suffix = path.suffix.lower()
     if suffix not in (".3dm", *STEP):
         from ..io import read_problem
 
         read = read_problem(path)
-        return read_design(read.checked(), tolerance=tolerance, finest=limit)._replace(notes=read.notes)
+        return given_design(read.checked())._replace(notes=tuple(read.notes))
     if suffix in STEP:
         from ..io.step_design import read_step_design
 
@@ -142,13 +178,10 @@ def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str], lim
         from ..io.rhino.designs import read_drawn_design
 
         drawn = read_drawn_design(path, seams)
-    if drawn.spline is not None:
-        made = Design(SplineSurface(*drawn.spline), (), 0.0)
-    else:
-        faces = [list(dict.fromkeys(face)) for face in drawn.faces.tolist()]
-        made = _fitted(drawn.vertices, faces, min(drawn.tolerance, limit) if tolerance is None else tolerance)
-    drawing = Drawing(path.stem, drawn.units, drawn.tolerance)
-    return made._replace(supports=tuple(drawn.supports), seams=tuple(drawn.seams), drawing=drawing, notes=(*drawn.notes, *made.notes))
+    surface = None if drawn.spline is None else SplineSurface(*drawn.spline)
+    polygons = [list(dict.fromkeys(face)) for face in drawn.faces.tolist()]
+    of_drawing = tuple(drawn.supports), tuple(drawn.seams), Drawing(path.stem, drawn.units, drawn.tolerance), tuple(drawn.notes)
+    return GivenDesign(surface, drawn.vertices, polygons, drawn.tolerance, *of_drawing)
 
 
 def _arrays_of(design: Any) -> tuple[FloatArray, list[list[int]], Drawing]:
@@ -203,7 +236,7 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
     if all(len(face) == 4 for face in polygons):
         own = np.array(polygons)
         quads = _joined_corners(uv, own, over, [np.argmin(over.uv[:, 1]), np.argmax(over.uv[:, 1])])
-    return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads, mesh=DesignMesh(vertices, polygons, notes))
+    return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads, mesh=DesignMesh(vertices, polygons, wanted, notes))
 
 
 def _joined_corners(uv: FloatArray, quads: IntArray, over: Unwrapped, ends: Sequence[np.integer]) -> tuple[FloatArray, IntArray]:

@@ -11,7 +11,6 @@ from typing import Optional
 from ..errors import CGCError
 from ..errors import names_what_was_meant
 from .design import DesignInput
-from .design import read_design
 from .result import Rationalised
 from .run import Watch
 from .run import rationalise
@@ -125,10 +124,9 @@ def sweep(design: DesignInput, moulds: Sequence[int] = MOULDS, *, callback: Opti
     """
     if not len(moulds):
         raise CGCError("a sweep needs numbers of moulds, such as [1, 2, 4, 8]")
-    read = read_design(design)
     found: list[Rationalised] = []
     for number in sorted(set(moulds)):
-        found.append(rationalise(read, moulds=number, callback=callback, **options))
+        found.append(rationalise(found[0].design if found else design, moulds=number, callback=callback, **options))
         if found[-1].cancelled:
             break
     return Sweep(tuple(found))

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import compas_cgc
+from compas_cgc.cli import main
 from compas_cgc.discrete.space_form import space_form_angle_sums
 from compas_cgc.errors import CGCError
 from compas_cgc.model.problem import Drawing
 from compas_cgc.rationalisation import Rationalised
+from compas_cgc.rationalisation import design as design_module
 from compas_cgc.rationalisation.design import read_design
 from compas_cgc.rationalisation.normal_moves import FOLD_LENGTH
 from compas_cgc.rationalisation.normal_moves import NormalMoves
@@ -159,6 +161,27 @@ def test_a_mesh_is_fitted_more_closely_than_the_distance_that_is_promised():
         read_design(mesh, finest=limit).deviation == usual.refitted(limit).deviation == read_design(usual, finest=limit).deviation <= limit
     )
     assert read_design(mesh, finest=1.0).deviation == usual.deviation
+
+
+@pytest.mark.parametrize("reach", [0.02, 1e-6])
+def test_a_mesh_is_fitted_once(reach, tmp_path, monkeypatch):
+    """By every door that knows the distance, also where no surface is as near to the mesh."""
+    mesh, tolerances = mesh_over(bumpy("soft", 1), 12.0, 8.0, 1.0), []
+    fitted = design_module._fitted
+
+    def counted(vertices, polygons, tolerance, limit=np.inf):
+        tolerances.append(limit if tolerance is None else tolerance)
+        return fitted(vertices, polygons, tolerance, limit)
+
+    monkeypatch.setattr(design_module, "_fitted", counted)
+    found = compas_cgc.rationalise(mesh, within=10.0 * reach, panel=4.0, moulds=2)
+    assert tolerances == [pytest.approx(reach)]
+    assert compas_cgc.rationalise(found.design, within=10.0 * reach, panel=4.0, moulds=2).design is found.design
+    assert len(tolerances) == 1
+    compas_cgc.write(tmp_path / "roof.obj", compas_cgc.CGCMesh.from_vertices_and_faces(*mesh))
+    options = ["--panel", "4", "--moulds", "2", "--tolerance", "0.01", "--within", f"{10.0 * reach}", "-q"]
+    main(["rationalise", str(tmp_path / "roof.obj"), "-o", str(tmp_path / "out.obj"), *options])
+    assert tolerances[1:] == [0.01]
 
 
 def test_what_the_fit_of_a_mesh_deviates_counts_in_a_promise():

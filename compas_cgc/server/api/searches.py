@@ -96,7 +96,6 @@ def _rationalised(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
     from ...io.rhino.panel_layers import PanelClasses
     from ...io.rhino.panel_layers import write_panels
     from ...rationalisation import rationalise
-    from ...rationalisation import read_design
     from ...rationalisation.run import Progress
 
     def watch(state: Progress) -> bool:
@@ -110,7 +109,7 @@ def _rationalised(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
         if "moulds" in settings:
             raise CGCError("moulds is a number of moulds and radii are those of moulds that exist; give one of them")
         given["moulds"] = given.pop("radii")
-    found = rationalise(read_design((own.vertices, own.faces))._replace(drawing=own.drawing), callback=watch, **given)
+    found = rationalise(own, callback=watch, **given)
     arrays = {
         "vertices": found.result.vertices,
         "faces": found.result.problem.faces,

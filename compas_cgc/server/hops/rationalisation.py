@@ -25,7 +25,6 @@ def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float)
     """Return the reply of the component."""
     # Workers that never rationalise do without its imports.
     from ...rationalisation import rationalise
-    from ...rationalisation import read_design
 
     problem, notes = design_of(inputs, context, limits)
     read = time.perf_counter()
@@ -33,7 +32,7 @@ def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float)
     radii = [radius or math.inf for radius in inputs["Radii"]]
     fine = max(context["absolutetolerance"], SAMPLING * float(np.linalg.norm(np.ptp(own.vertices, axis=0))))
     found = rationalise(
-        read_design((own.vertices, own.faces))._replace(drawing=own.drawing),
+        own,
         moulds=radii or (None if inputs["Within"] else inputs["Moulds"]),
         seams=[read_curve(data, "Seams", fine).tolist() for data in inputs["Seams"]] or None,
         within=inputs["Within"] or None,
