@@ -56,6 +56,7 @@ def mould(
     along: Optional[str],
     material: Optional[str],
     thickness: Optional[float],
+    least_bending: Optional[bool],
     rough: Optional[bool],
     aside: Optional[float],
 ) -> MouldOutputs:
@@ -68,13 +69,20 @@ def mould(
     lines = [curve_to_points(curve, tolerance) for curve in as_list(curves)]
     if size is None and count is None and not lines:
         count = 1
-    inputs = (cgc_mesh, size, count, along, material, thickness, rough, aside, [line.tolist() for line in lines])
+    inputs = (cgc_mesh, size, count, along, material, thickness, least_bending, rough, aside, [line.tolist() for line in lines])
 
     def work(report: Report, last: Last) -> Finished:
         problem = cgc_mesh.to_problem().without_dummies()
         divided = panels(problem, size, count=count, curves=lines or None, along=along.strip() if along else "plan")
         chosen = material.strip() if material else "glass"
-        fitted = moulds(problem, divided, material=chosen, thickness=6.0 if thickness is None else thickness, rough=bool(rough))
+        fitted = moulds(
+            problem,
+            divided,
+            material=chosen,
+            thickness=6.0 if thickness is None else thickness,
+            least_bending=bool(least_bending),
+            rough=bool(rough),
+        )
         return _shown(problem, fitted, aside)
 
     return _RUNNER.outputs(component, inputs, work).outputs

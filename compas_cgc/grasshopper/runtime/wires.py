@@ -144,7 +144,22 @@ WIRES = {
     **dict.fromkeys(_AMOUNTS, _NUMBER),
     **dict.fromkeys(("count", "delay", "number", "steps"), Wire(_is_whole, "a whole number")),
     **dict.fromkeys(
-        ("bake", "flip", "keep_edges", "level_edges", "per_sheet", "reset", "rough", "run", "split", "wait", "whole", "write"), _SWITCH
+        (
+            "bake",
+            "flip",
+            "keep_edges",
+            "least_bending",
+            "level_edges",
+            "per_sheet",
+            "reset",
+            "rough",
+            "run",
+            "split",
+            "wait",
+            "whole",
+            "write",
+        ),
+        _SWITCH,
     ),
     **dict.fromkeys(
         ("along", "column", "fix", "key", "kind", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"),

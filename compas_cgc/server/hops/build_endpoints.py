@@ -41,6 +41,13 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                 Input("Along", "Al", "Text", f"{' or '.join(ALONG)}. Defaults to {ALONG[0]}.", default=ALONG[0]),
                 Input("Material", "Ma", "Text", f"{', '.join(MATERIALS)}. Defaults to glass.", default="glass"),
                 Input("Thickness", "Th", "Number", "Thickness of the panels in mm. Defaults to 6.", default=6.0, low=0.0),
+                Input(
+                    "LeastBending",
+                    "Lb",
+                    "Boolean",
+                    "True chooses moulds among spindles, bulges and hyperboloids too, so that panels bend least. Defaults to False.",
+                    default=False,
+                ),
             ),
             (
                 Output("Panels", "P", "Mesh", "Panels in their final position."),

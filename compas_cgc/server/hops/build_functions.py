@@ -28,7 +28,14 @@ from .reply import spent
 __all__ = ["BUILD_FUNCTIONS"]
 
 # Options by name of the input; zero and an empty input select the default.
-MOULD = {"Count": "count", "Size": "size", "Along": "along", "Material": "material", "Thickness": "thickness"}
+MOULD = {
+    "Count": "count",
+    "Size": "size",
+    "Along": "along",
+    "Material": "material",
+    "Thickness": "thickness",
+    "LeastBending": "least_bending",
+}
 UNROLL = {
     "Strain": "strain",
     "Spacing": "spacing",

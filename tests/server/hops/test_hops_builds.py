@@ -11,6 +11,8 @@ import rhino3dm
 from compas_cgc import CGCProblem
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import plane_quads
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication.curves import plural
@@ -162,3 +164,16 @@ def test_a_net_on_a_soap_film_is_of_the_kind_that_is_chosen(hops):
 def test_what_cannot_be_built_is_said_in_the_balloon(hops, name, K, inputs, sentence):
     status, outputs, errors, _ = hops(name).solve(Mesh=mesh_from_arrays(*revolved_patch(8, 0.02)), K=[K], **inputs)
     assert status == 422 and outputs == {} and len(errors) == 1 and sentence in errors[0]
+
+
+def test_moulds_of_least_bending_are_chosen_by_an_input(hops):
+    shape = revolved_patch(8, 0.02)
+    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.02], "Count": 4}
+    status, outputs, errors, _ = hops("mould").solve(**given, LeastBending=True)
+    assert (status, errors) == (200, [])
+    usual = hops("mould").solve(**given)[1]
+    own = problem(shape, 0.02)
+    divided = panels(own, count=4)
+    (least,) = moulds(own, divided, least_bending=True).moulds
+    assert least.kind != "sphere" and f"mould 1: {least.kind} of K" in outputs["Info"][0]
+    assert "mould 1: sphere of K" in usual["Info"][0]
