@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.measured_curvature import even_angles
 from ..discrete.mid_edge import PACKED
@@ -21,7 +22,7 @@ __all__ = ["corner_operators", "curvature_changes", "mesh_dependent", "plate_str
 
 STRAIGHT = np.radians(0.5)  # turn of a held edge at a vertex up to which it counts as straight
 MIN_SPREAD = 0.05  # area between the centroids around the corners, relative to their face, below which operators are not extrapolated
-SHARP = np.radians(45.0)  # turn of a held edge from which its vertex counts as a corner
+SHARP = np.radians(45.0)  # turn of a held edge or a crease from which its vertex counts as a corner
 
 
 def corner_operators(problem: CGCProblem) -> FloatArray:
@@ -97,7 +98,8 @@ def plate_stress(material: Material, thickness: float, changes: FloatArray) -> F
 def mesh_dependent(problem: CGCProblem) -> Mask:
     """Return the vertices where the curvature of the surface is unbounded, so that stress grows as the mesh is refined (n,).
 
-    These are point supports, corners of held edges, and, where K > 0, straight held edges, which such a surface cannot contain.
+    These are point supports, corners of held edges, where K > 0 straight held edges, which such a surface cannot contain, and ends,
+    crossings and kinks of creases. Along a smooth crease curvature is bounded.
     """
     V, n = problem.vertices, len(problem.vertices)
     fixed = problem.roles == FIXED
@@ -106,11 +108,24 @@ def mesh_dependent(problem: CGCProblem) -> Mask:
     after, before = np.full(n, -1), np.full(n, -1)
     after[held[:, 0]], before[held[:, 1]] = held[:, 1], held[:, 0]
     chain = np.flatnonzero((after >= 0) & (before >= 0))
-    ahead, back = V[after[chain]] - V[chain], V[chain] - V[before[chain]]
-    turn = np.arctan2(np.linalg.norm(np.cross(back, ahead), axis=1), np.einsum("ij,ij->i", back, ahead))
+    turn = _turns(V, before[chain], chain, after[chain])
     elliptic = np.zeros(n, bool)
     targets = np.array([0.0 if K is None else K for K in problem.region_targets()])
     elliptic[problem.faces[targets[problem.regions()] > 0.0]] = True
     found = fixed & (after < 0) & (before < 0)
     found[chain] |= (turn > SHARP) | ((turn < STRAIGHT) & elliptic[chain])
+    creases = np.unique(np.sort(problem.creases, axis=1), axis=0)
+    arms = np.bincount(creases.ravel(), minlength=n)
+    found |= (arms == 1) | (arms > 2)
+    # Both neighbours along the crease, of every vertex within one.
+    one, other = np.vstack([creases, creases[:, ::-1]])[np.argsort(np.concatenate(creases.T), kind="stable")].T
+    within = arms[one] == 2
+    middle, (back, ahead) = one[within][::2], other[within].reshape(-1, 2).T
+    found[middle] |= _turns(V, back, middle, ahead) > SHARP
     return found
+
+
+def _turns(V: FloatArray, before: IntArray, at: IntArray, after: IntArray) -> FloatArray:
+    """Return the turn of paths at vertices (k,) [rad]."""
+    ahead, back = V[after] - V[at], V[at] - V[before]
+    return np.arctan2(np.linalg.norm(np.cross(back, ahead), axis=1), np.einsum("ij,ij->i", back, ahead))

@@ -7,11 +7,14 @@ import shutil
 import numpy as np
 import pytest
 
+from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
+from compas_cgc import solve
 from compas_cgc.fabrication import moulding
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import space_form
+from compas_cgc.fabrication.bending import corner_operators
 from compas_cgc.fabrication.bending import mesh_dependent
 from compas_cgc.fabrication.bending import plate_stress
 from compas_cgc.fabrication.materials import MATERIALS
@@ -151,3 +154,47 @@ def test_point_supports_corners_and_straight_edges_of_domes_are_named():
     assert (mesh_dependent(dome.with_targets(-0.01)) == corners).all()
     point = CGCProblem(vertices, faces).with_supports([0, 24]).with_targets(-0.01)
     assert np.flatnonzero(mesh_dependent(point)).tolist() == [0, 24]
+
+
+def creased(n, paths):
+    """Return a solved roof on four corners with K = .01 and .005 across creases along paths of points in a grid of n by n."""
+    mesh = CGCMesh.from_meshgrid(dx=12.0, nx=n)
+    mesh.set_supports("corners")
+    mesh.set_creases([[(n + 1) * x + y for x, y in path] for path in paths])
+    for region in range(2):
+        mesh.set_target((0.01, 0.005)[region], region=region)
+    for region in range(2, 1 + max(mesh.to_problem().regions())):
+        mesh.set_target(0.01, region=region)
+    return solve(mesh, method="bending").to_problem()
+
+
+def straight(n):
+    return [[(n // 2, y) for y in range(n + 1)]]
+
+
+def crossed(n):
+    return [*straight(n), [(x, n // 2) for x in range(n + 1)]]
+
+
+def kinked(n):
+    return [[(n // 2, y) for y in range(n // 2 + 1)] + [(x, n // 2) for x in range(n // 2 + 1, n + 1)]]
+
+
+@pytest.mark.parametrize("paths", [straight, crossed, kinked])
+def test_curvature_grows_with_the_mesh_at_ends_crossings_and_kinks_of_creases_and_nowhere_else_on_them(paths):
+    named, others = [], []
+    for n in (12, 24, 48):
+        problem = creased(n, paths(n))
+        V, F = problem.vertices, problem.faces
+        dependent = mesh_dependent(problem)
+        on_creases = np.unique(problem.creases)
+        at = on_creases[dependent[on_creases]]
+        assert len(at) == {straight: 2, crossed: 5, kinked: 3}[paths]
+        curvature = np.abs(np.linalg.eigvalsh(corner_operators(problem))).max(axis=2)
+        far = np.linalg.norm(V[:, None] - V[at], axis=2).min(axis=1) > 2.0
+        named.append([curvature[np.isin(F, own)].max() for own in at])
+        others.append(curvature[np.isin(F, on_creases[far[on_creases]])].max())
+    # Halving edges adds as much to the curvature again and again where it is unbounded.
+    steps = np.diff(np.max(named, axis=1)), np.diff(others)
+    assert (steps[0] > 0.03 * np.max(named[0])).all() and steps[0][1] > 0.8 * steps[0][0]
+    assert abs(steps[1][1]) < 0.015 * others[0]
