@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
@@ -72,19 +73,45 @@ def test_a_section_is_the_surface_along_its_line():
     assert {letter for letter, _ in drawn.cuts} == {"A"}
 
 
-def test_heights_of_contour_lines_touch_neither_each_other_nor_sections():
-    drawn = draw_views(roof(), 100, contours=0.1)
-    labels = [own for own in drawn.labels if own.layer == "CONTOUR"]
-    places, half = np.array([own.place for own in labels]), np.array([0.5 * letters(own.text, own.height) for own in labels])
-    apart = np.linalg.norm(places[:, None] - places, axis=2) - half[:, None] - half
-    assert len(labels) > 5 and apart[np.triu_indices(len(labels), 1)].min() > 0.0
+def box(label):
+    """Return the outline of a text as a polygon."""
+    half = 0.5 * np.array([letters(label.text, label.height), label.height])
+    corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    turn = np.radians(label.angle)
+    return shapely.Polygon(label.place + corners @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]))
+
+
+def nine_regions():
+    """Return nine regions of a square roof on columns of different heights, with the lowest arc of contours through most of them."""
+    n = 18
+    mesh = CGCMesh.from_meshgrid(dx=36.0, nx=n)
+    mesh.set_creases(
+        [[(n + 1) * i + k for i in range(n + 1)] for k in (6, 12)] + [[(n + 1) * k + i for i in range(n + 1)] for k in (6, 12)]
+    )
+    mesh.set_supports("corners")
+    mesh.set_target(0.0012)
+    problem = mesh.to_problem()
+    V = problem.vertices.copy()
+    V[:, 2] = 15.0 - 0.02 * ((V[:, 0] - 18.0) ** 2 + (V[:, 1] - 18.0) ** 2) - 0.01 * V[:, 0]
+    return problem.with_vertices(V)
+
+
+@pytest.mark.parametrize("surface, scale, interval", [(roof, 100, 0.1), (nine_regions, 500, 2.0), (nine_regions, 200, 1.0)])
+def test_texts_of_the_plan_touch_neither_each_other_nor_lines(surface, scale, interval):
+    drawn = draw_views(surface(), scale, contours=interval)
+    contours = [own for own in drawn.labels if own.layer == "CONTOUR"]
+    regions = [own for own in drawn.labels if own.layer == "REGION"]
+    others = [own for own in drawn.labels if own.layer == "SUPPORT" or own.text == "N"]
+    assert len(contours) > 5 and len(regions) > 1
+    texts = [box(own) for own in (*contours, *regions, *others)]
+    for k, text in enumerate(texts):
+        assert not any(text.intersects(other) for other in texts[:k])
+    plan = shapely.box(*shapely.union_all([box(own) for own in (*contours, *regions)]).buffer(20.0).bounds)
     for line in drawn.lines:
-        if line.layer == "SECTION" and len(line.points) == 2 and np.ptp(line.points, axis=0).max() > 20.0:
-            start, end = line.points
-            along = (end - start) / np.linalg.norm(end - start)
-            across = np.abs((places - start) @ [-along[1], along[0]])
-            beside = ((places - start) @ along > 0.0) & ((places - start) @ along < np.linalg.norm(end - start))
-            assert (across[beside] > half[beside]).all()
+        path = shapely.LineString(np.vstack([line.points, line.points[:1]]) if line.closed else line.points)
+        # Other views and the frame lie outside the plan.
+        if line.layer in ("OUTLINE", "CREASE", "SECTION", "CONTOUR", "SUPPORT") and plan.contains(path):
+            assert not any(text.intersects(path) for text in texts)
 
 
 def test_contour_lines_have_their_heights_and_supports_their_lines():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
 
@@ -11,7 +12,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ..drawing import Line
 
-__all__ = ["LAYERS", "TEXT_HEIGHT", "Label", "Style", "View", "arrow", "cut_for", "dimension", "height_mark", "letters"]
+__all__ = ["GAP", "LAYERS", "TEXT_HEIGHT", "Label", "Style", "View", "arrow", "cut_for", "dimension", "height_mark", "letters", "outside"]
 
 TEXT_HEIGHT = 2.5  # [mm]
 LETTER_WIDTH = 0.85  # relative to the height
@@ -19,6 +20,8 @@ TICK = 1.5  # half length of the ticks of dimensions [mm]
 MARK_LENGTH = 6.0  # of a height mark [mm]
 GAP = 0.6  # between a line and a text in it [mm]
 # Places of texts on lines, from the middle towards the ends in turn.
+HEIGHTS = (0.8 * TEXT_HEIGHT, 0.6 * TEXT_HEIGHT, 0.48 * TEXT_HEIGHT)  # of the heights of contours
+SPINE = np.linspace(-1.0, 1.0, 5)  # points along a text at which its room is measured, relative to half its length
 PLACES = np.repeat(np.linspace(0.0, 0.95, 20), 2)[1:] * np.tile([-1.0, 1.0], 20)[1:]
 
 
@@ -54,6 +57,12 @@ class Label(NamedTuple):
     place: FloatArray  # (2,) [mm]
     height: float = TEXT_HEIGHT  # [mm]
     angle: float = 0.0  # counterclockwise [deg]
+
+    @property
+    def box(self) -> FloatArray:
+        """Lower left and upper right corner of a level text, with room around it (2, 2) [mm]."""
+        half = 0.5 * np.array([letters(self.text, self.height), self.height]) + GAP
+        return np.stack([self.place - half, self.place + half])
 
 
 class View(NamedTuple):
@@ -120,21 +129,55 @@ def cut_for(line: FloatArray, text: str, room: Callable[[FloatArray], float]) ->
     text
         The text.
     room
-        Returns the distance of a point (2,) from whatever the text must not touch [mm]. The place nearest to the middle with enough room is
-        taken; without any, the line is whole and has no text.
+        Returns the smallest distance of points ``(p, 2)`` from whatever the text must not touch [mm]. The place nearest to the middle with
+        enough room is taken, at the largest of several heights; without any, the line is whole and has no text.
     """
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    half, whole = 0.5 * letters(text) + GAP, float(length[-1])
+    whole = float(length[-1])
 
-    def at(s: float) -> FloatArray:
-        return np.array([np.interp(s, length, line[:, axis]) for axis in (0, 1)])
+    def at(s: FloatArray) -> FloatArray:
+        return np.column_stack([np.interp(s, length, line[:, axis]) for axis in (0, 1)])
 
-    within = [s for s in whole * (0.5 + 0.5 * PLACES) if half < s < whole - half]
-    middle = next((s for s in within if room(at(s)) > half), None)
-    if middle is None:
+    for height in HEIGHTS:
+        spine = 0.5 * letters(text, height) * SPINE
+        half = float(spine[-1]) + GAP
+        within = [s for s in whole * (0.5 + 0.5 * PLACES) if half < s < whole - half]
+        middle = next((s for s in within if room(at(s + spine)) > 0.5 * height + GAP), None)
+        if middle is not None:
+            break
+    else:
         return [line], None
-    before, after = middle - half, middle + half
-    parts = [np.vstack([line[length < before], at(before)]), np.vstack([at(after), line[length > after]])]
-    chord = at(after) - at(before)
+    (before, after), ends = middle + half * SPINE[[0, -1]], at(middle + half * SPINE[[0, -1]])
+    parts = [np.vstack([line[length < before], ends[:1]]), np.vstack([ends[1:], line[length > after]])]
+    chord = ends[1] - ends[0]
     angle = upright(float(np.degrees(np.arctan2(chord[1], chord[0]))))
-    return parts, Label("CONTOUR", text, 0.5 * (at(before) + at(after)), 0.8 * TEXT_HEIGHT, angle)
+    return parts, Label("CONTOUR", text, ends.mean(axis=0), height, angle)
+
+
+def outside(line: FloatArray, boxes: Sequence[FloatArray]) -> list[FloatArray]:
+    """Return the parts of a polyline (k, 2) outside boxes with their lower left and upper right corners (2, 2) [mm]."""
+    parts = [line]
+    for low, high in boxes:
+        found = []
+        for part in parts:
+            if (part.max(axis=0) < low).any() or (part.min(axis=0) > high).any():
+                found.append(part)
+                continue
+            # Every segment is within the box between two of its parameters.
+            start, step = part[:-1], np.diff(part, axis=0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ends = np.stack([(low - start) / step, (high - start) / step])
+            level = step == 0.0
+            ends = np.where(level, np.where((start > low) & (start < high), 1.0, np.nan) * np.array([-np.inf, np.inf])[:, None, None], ends)
+            first = np.maximum(ends.min(axis=0).max(axis=1), 0.0)
+            last = np.minimum(ends.max(axis=0).min(axis=1), 1.0)
+            kept = [start[0]]
+            for k, (a, b) in enumerate(zip(first.tolist(), last.tolist())):
+                if a < b:
+                    kept.append(start[k] + a * step[k])
+                    found.append(np.array(kept))
+                    kept = [start[k] + b * step[k]]
+                kept.append(part[k + 1])
+            found.append(np.array(kept))
+        parts = [part for part in found if np.linalg.norm(np.diff(part, axis=0), axis=1).sum() > 0.0]
+    return parts

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...discrete.arrays import FloatArray
-from ..drawing import roomiest
 from .marks import TEXT_HEIGHT
 from .marks import Label
 from .marks import letters
@@ -22,11 +21,13 @@ __all__ = ["legend", "region_labels", "support_heights"]
 SMALL = 0.8 * TEXT_HEIGHT  # height of these texts [mm]
 LEGEND_SIZES = (2.0, 1.8, 1.6, 1.4, 1.2)  # heights of the texts of the legend, the first that fits [mm]
 LEGEND_PITCH = 1.5  # distance of the rows of the legend, relative to their height
+ROWS_PITCH = 1.6  # distance of the two rows of a region, relative to their height
+ROOM_RATIO = 0.98  # of the largest possible height of a label, above which its place is chosen near the middle of the region
 BESIDE = 2.2  # distance of the height of a support from its symbol [mm]
 SIDES = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 
 
-def region_labels(shape: Shape, plan: FloatArray, lines: Sequence[FloatArray]) -> list[Label]:
+def region_labels(shape: Shape, plan: FloatArray, lines: FloatArray) -> list[Label]:
     """Return the number and the K of every region, in its widest part in plan.
 
     Parameters
@@ -36,18 +37,31 @@ def region_labels(shape: Shape, plan: FloatArray, lines: Sequence[FloatArray]) -
     plan
         ``(n, 2)`` vertices in the plan [mm].
     lines
-        Outlines, creases and section lines ``(k, 2)`` in the plan [mm].
+        ``(k, 2, 2)`` segments of outlines and creases in the plan [mm].
     """
     number = shape.problem.regions()
     centres = plan[shape.faces].mean(axis=1)
     labels = []
     for region, K in enumerate(shape.problem.region_targets()):
-        place, room = roomiest(centres[number == region], lines)
-        value = "K varies" if K is None else f"K = {K + 0.0:.3g}"
-        height = min(SMALL, SMALL * 2.0 * room / letters(value, SMALL))
-        up = np.array([0.0, 0.8 * height])
-        labels += [Label("REGION", f"region {region}", place + up, height), Label("REGION", value, place - up, height)]
+        texts = f"region {region}", "K varies" if K is None else f"K = {K + 0.0:.3g}"
+        half = np.array([0.5 * max(letters(text, SMALL) for text in texts), ROWS_PITCH * SMALL])
+        own = centres[number == region]
+        room = np.minimum(_room(own / half, lines / half), 1.0)
+        off = np.linalg.norm(own - own.mean(axis=0), axis=1)
+        best = int(np.argmin(np.where(room >= ROOM_RATIO * room.max(), off, np.inf)))
+        height, up = SMALL * float(room[best]), np.array([0.0, 0.5 * ROWS_PITCH * SMALL * float(room[best])])
+        labels += [Label("REGION", text, own[best] + side * up, height) for text, side in zip(texts, (1.0, -1.0))]
     return labels
+
+
+def _room(places: FloatArray, segments: FloatArray) -> FloatArray:
+    """Return half the side of the largest square around places (p, 2) that no segment (k, 2, 2) enters (p,)."""
+    start, along = segments[:, 0] - places[:, None], segments[:, 1] - segments[:, 0]
+    # The larger coordinate is least at an end, on an axis or on a diagonal.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        on = [-(start @ normal) / (along @ normal) for normal in np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])]
+    shares = np.clip(np.nan_to_num([*on, np.zeros_like(on[0]), np.ones_like(on[0])]), 0.0, 1.0)
+    return np.asarray(np.abs(start + shares[..., None] * along).max(axis=3).min(axis=(0, 2)), dtype=np.float64)
 
 
 def support_heights(shape: Shape, plan: FloatArray, taken: Sequence[Label]) -> list[Label]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from ...model.problem import CGCProblem
 from ..drawing import Line
 from ..figures import metres
 from .level_lines import level_lines
+from .marks import GAP
 from .marks import TEXT_HEIGHT
 from .marks import Label
 from .marks import View
@@ -26,6 +28,7 @@ from .marks import cut_for
 from .marks import dimension
 from .marks import height_mark
 from .marks import letters
+from .marks import outside
 from .notes import region_labels
 from .notes import support_heights
 
@@ -147,22 +150,45 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
     size = scale * (shape.high - shape.low)[:2]
     lines: list[Line] = []
     ends = [[put(at[None])[0] for at in _across(cut, shape)] for cut in cuts]
-    edges = [put(shape.vertices[path]) for path in (*shape.outlines, *shape.creases)]
-    labels = region_labels(shape, put(shape.vertices), [*edges, *map(np.array, ends)])
-    labels += support_heights(shape, put(shape.vertices), labels)
+    low, high = PADDING[0], PADDING[0] + size
+    middle = np.array([high[0] + PADDING[1, 0] - 5.0, high[1] + PADDING[1, 1] - 6.0])
+    arrow_room = Label("TEXT", "N", middle, NORTH_LENGTH + 2.0 * TEXT_HEIGHT)
+    edges = _segments([put(shape.vertices[path]) for path in (*shape.outlines, *shape.creases)])
+    labels = region_labels(shape, put(shape.vertices), edges)
+    boxes = [own.box for own in labels]
+    labels += support_heights(shape, put(shape.vertices), [*labels, arrow_room])
 
-    def room(at: FloatArray) -> float:
-        """Return the distance from section lines and from other heights, less half their width [mm]."""
-        others = [float(np.linalg.norm(own.place - at)) - 0.5 * letters(own.text, own.height) for own in labels]
-        return min([*others, *(_distance(at, start, end) for start, end in ends)], default=np.inf)
+    edges = np.concatenate([edges, np.array(ends).reshape(-1, 2, 2)])
 
-    for level in shape.levels(interval):
-        for line in level_lines(shape.vertices, shape.faces, shape.vertices[:, 2], level):
-            parts, text = [put(line)], _height(level, interval)
-            if np.linalg.norm(np.diff(parts[0], axis=0), axis=1).sum() > MIN_LABEL_ROOM * letters(text):
-                parts, label = cut_for(parts[0], text, room)
-                labels += [label] if label else []
-            lines += [Line("CONTOUR", part) for part in parts]
+    contours = [
+        (level, put(line))
+        for level in shape.levels(interval)
+        for line in level_lines(shape.vertices, shape.faces, shape.vertices[:, 2], level)
+    ]
+    each = [edges, *(_segments([line]) for _, line in contours)]
+    segments, owner = np.concatenate(each), np.repeat(np.arange(len(each)) - 1, [len(own) for own in each])
+    first, last = segments.min(axis=1), segments.max(axis=1)
+
+    def room(at: FloatArray, number: int) -> float:
+        """Return the smallest distance of points (p, 2) on a contour from all other lines and texts [mm]; far lines do not count."""
+        near = (first < at.max(axis=0) + TEXT_HEIGHT).all(axis=1) & (last > at.min(axis=0) - TEXT_HEIGHT).all(axis=1) & (owner != number)
+        taken = np.array([own.box for own in labels if not own.angle] or np.empty((0, 2, 2)))
+        level = np.maximum(np.maximum(taken[:, 0] - at[:, None], at[:, None] - taken[:, 1]), 0.0)
+        turned = np.array([own.place for own in labels if own.angle]).reshape(-1, 2)
+        half = np.array([0.5 * letters(own.text, own.height) for own in labels if own.angle])
+        distances = (
+            _distances(at, segments[near]),
+            np.linalg.norm(level, axis=2) + GAP,
+            np.linalg.norm(at[:, None] - turned, axis=2) - half,
+        )
+        return float(min(own.min(initial=np.inf) for own in distances))
+
+    for k, (level, line) in enumerate(contours):
+        parts, text = [line], _height(level, interval)
+        if np.linalg.norm(np.diff(line, axis=0), axis=1).sum() > MIN_LABEL_ROOM * letters(text):
+            parts, label = cut_for(line, text, partial(room, number=k))
+            labels += [label] if label else []
+        lines += [Line("CONTOUR", rest) for part in parts for rest in outside(part, boxes)]
     lines += [Line("CREASE", put(shape.vertices[path])) for path in shape.creases]
     lines += [Line("OUTLINE", put(shape.vertices[path])) for path in shape.outlines]
     lines += [Line("SUPPORT", put(shape.vertices[path])) for path in shape.held_lines]
@@ -172,26 +198,31 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
         along = (end - start) / np.linalg.norm(end - start)
         towards = np.array([-along[1], along[0]])
         start, end = start - LETTER_AT * along, end + LETTER_AT * along
-        lines.append(Line("SECTION", np.stack([start, end])))
+        lines += [Line("SECTION", part) for part in outside(np.stack([start, end]), boxes)]
         for at in (start, end):
             lines += arrow(at, at + 4.0 * towards, "SECTION")
             labels.append(Label("SECTION", cut.letter, at - 2.4 * towards, 1.4 * TEXT_HEIGHT))
-    low, high = PADDING[0], PADDING[0] + size
     for start, end, own in ((low, [high[0], low[1]], size[0]), ([low[0], high[1]], low, size[1])):
         drawn, label = dimension(np.array(start), np.array(end), shape.number(own / scale), DIMENSION_AT)
         lines += drawn
         labels.append(label)
-    middle = np.array([high[0] + PADDING[1, 0] - 5.0, high[1] + PADDING[1, 1] - 6.0])
     way = north / np.linalg.norm(north)
     lines += arrow(middle - 0.5 * NORTH_LENGTH * way, middle + 0.5 * NORTH_LENGTH * way, "FRAME")
     labels.append(Label("TEXT", "N", middle + (0.5 * NORTH_LENGTH + 2.2) * way))
     return _named("Plan", lines, labels, size)
 
 
-def _distance(at: FloatArray, start: FloatArray, end: FloatArray) -> float:
-    """Return the distance of a point from the line through two others (2,)."""
-    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
-    return float(abs(along[0] * (at - start)[1] - along[1] * (at - start)[0]))
+def _segments(lines: Sequence[FloatArray]) -> FloatArray:
+    """Return the segments of polylines (k, 2, 2)."""
+    return np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
+
+
+def _distances(at: FloatArray, segments: FloatArray) -> FloatArray:
+    """Return the distances of points (p, 2) from segments (k, 2, 2), (p, k)."""
+    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    away = at[:, None] - start
+    share = np.einsum("pkj,kj->pk", away, along) / np.maximum(np.einsum("kj,kj->k", along, along), np.finfo(float).tiny)
+    return np.linalg.norm(away - np.clip(share, 0.0, 1.0)[..., None] * along, axis=2)
 
 
 def _height(level: float, interval: float) -> str:
