@@ -39,8 +39,8 @@ consist of the same triangles; otherwise the report states the gaps between them
 
 OUTPUT is a .3dm file with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels, or a .step file with the
 moulds, the panels on them and the panels in place as named faces. Moulds are exact surfaces in both. An .ifc file (IFC 4) holds the roof
-and its panels as plates with class, K, mould radius, area and course. A page of pictures is written beside it, with the suffix .pdf.
---schedule writes the lengths of sides, diagonals and neighbours of every panel.
+and its panels as plates with class, K, mould radius, area and course. Repeat -o to write several files. A page of pictures is written
+beside the first one, with the suffix .pdf. --schedule writes the lengths of sides, diagonals and neighbours of every panel.
 
 If panels would be bent beyond the strength of the material, the report begins with them, and the exit code is 3; the files are written.
 
@@ -55,7 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_task(parser, "mould", leave=JOINTS)
     parser.epilog = _EPILOG
-    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help=f"{listed(OUTPUTS['mould'])} file to write")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="OUTPUT", action="append", help=f"{listed(OUTPUTS['mould'])} file to write; repeatable"
+    )
     add_joints(parser, required=True)
     parser.add_argument("--no-page", action="store_true", help="do not write the page of pictures")
     parser.add_argument(
@@ -75,8 +77,9 @@ def run(arguments: argparse.Namespace) -> int:
     from ..io.builds import build_suffix
     from ..io.builds import write_mould_files
 
-    output = Path(arguments.output)
-    build_suffix("mould", output)
+    outputs = [Path(output) for output in arguments.output]
+    for output in outputs:
+        build_suffix("mould", output)
     for path in arguments.schedule:
         if Path(path).suffix.lower() not in (".csv", ".pdf"):
             raise FileError(f"the schedule must be a .csv or .pdf file, not {Path(path).name!r}")
@@ -91,18 +94,20 @@ def run(arguments: argparse.Namespace) -> int:
     with parts.part("drawing the page"):
         page = _drawn(problem, report, arguments)
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
-    with published_together(), parts.part(f"writing {output}"):
-        notes = write_mould_files(output, problem, report, source)
-        written = [output]
+    notes, written = list[str](), list[Path]()
+    with published_together(), parts.part(f"writing {', '.join(map(str, outputs))}"):
+        for output in outputs:
+            notes += [f"{output}: {note}" for note in write_mould_files(output, problem, report, source)]
+            written.append(output)
         if page is not None:
             from ..plot import save
 
-            written.append(save(page, output.with_suffix(".pdf")))
+            written.append(save(page, outputs[0].with_suffix(".pdf")))
         written += [_write_schedule(Path(path), problem, report, Path(arguments.input).stem) for path in arguments.schedule]
         if arguments.report:
             written.append(_write_report(arguments, report))
     for note in notes:
-        echo(f"{output}: {note}")
+        echo(note)
     for path in written:
         echo(f"wrote {path}")
     return ROUGH if report.overstressed else DONE

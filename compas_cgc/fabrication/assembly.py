@@ -29,7 +29,8 @@ SEAM_PLACES = (0.2, 0.8, 0.35, 0.65, 0.1, 0.9, 0.5)  # along a seam, where its n
 SEAM_TEXT = 0.15  # height of the number of a seam, relative to its length in plan
 MEANINGS = {
     "OUTLINE": "edges of the pieces",
-    "LABEL": "name of the piece, and in brackets its course: 1 for pieces on supports, 2 for their neighbours, and so on",
+    "LABEL": "name of the piece (A1 in region 0, B1 in region 1 and so on, or as the panel of the moulds), and in brackets its course: 1 "
+    "for pieces on supports, 2 for their neighbours, and so on",
     "SEAM": "number of the seam, as on the sheets, beside it",
 }
 

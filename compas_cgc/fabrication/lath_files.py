@@ -9,11 +9,11 @@ from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
-from .drawing import clearance
 from .laths import Lath
 from .laths import LathSchedule
 from .legend import outside_note
 from .legend import with_legend
+from .start_labels import names_at_starts
 from .tables import csv_text
 
 __all__ = ["draw_laths", "schedule_text"]
@@ -197,23 +197,9 @@ def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
     """Return the laths in plan, with their numbers at station 0 and the numbers of nodes, moved by -origin [mm]."""
     mm = 1e3 * schedule.unit
     height = PLAN_TEXT * mm * float(np.ptp(np.concatenate([lath.path for lath in schedule.laths]), axis=0).max())
-    lines, texts, numbers = list[Line](), list[Text](), dict[int, FloatArray]()
-    for lath in schedule.laths:
-        path = mm * lath.path[:, :2] - origin
-        lines.append(Line("PLAN", path))
-        back = path[0] - path[1]
-        text = f"L{lath.number}"
-        back = back / max(float(np.linalg.norm(back)), np.finfo(float).tiny)
-        place = path[0] + clearance(text, height, back) * back
-        while back.any() and any(_overlap(text, place, other) for other in texts):
-            place = place + 0.5 * height * back
-        texts.append(Text("LABEL", text, place, height))
-        numbers.update(zip(lath.nodes.tolist(), mm * lath.points[:, :2] - origin))
+    paths = [mm * lath.path[:, :2] - origin for lath in schedule.laths]
+    names = [f"L{lath.number}" for lath in schedule.laths]
+    texts = [Text("LABEL", name, place, height) for name, place in zip(names, names_at_starts(names, paths, height))]
+    numbers = {node: place for lath in schedule.laths for node, place in zip(lath.nodes.tolist(), mm * lath.points[:, :2] - origin)}
     texts += [Text("NODE", str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
-    return Drawing(lines, texts, (0.0, 0.0), "Millimeters")
-
-
-def _overlap(text: str, place: FloatArray, other: Text) -> bool:
-    """Return whether a text at a place (2,) would overlap another of the same height."""
-    apart = np.abs(place - other.place) / other.height
-    return bool(apart[0] < 0.5 * LETTER_WIDTH * (len(text) + len(other.text) + 1) and apart[1] < 1.2)
+    return Drawing([Line("PLAN", path) for path in paths], texts, (0.0, 0.0), "Millimeters")

@@ -96,8 +96,9 @@ class MembraneState:
         """Return lines of text with the forces."""
         N1, N2 = self.forces.T
         lines = [
+            f"under pressure {self.pressure:g} and weight {self.weight:g} per area alone; snow and wind act in .inp files only",
             f"N1 {N1.min():.4g} to {N1.max():.4g} (median {np.median(N1):.4g}), N2 {N2.min():.4g} to {N2.max():.4g}; tension is positive; "
-            "units are force per length, with the load in force per area"
+            "units are force per length, with the load in force per area",
         ]
         for kind, name in enumerate(("supports", "creases", "free edges")):
             load = np.linalg.norm(self.edge_loads.load[self.edge_loads.kind == kind], axis=1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from dataclasses import field
+from functools import cached_property
 from typing import Any
 from typing import Optional
 
@@ -25,6 +26,7 @@ from .materials import MATERIALS
 from .materials import Material
 from .materials import bending_stress
 from .mould_surface import MouldSurface
+from .mould_surface import cap_mesh
 from .panel_seams import PanelSeam
 from .panelling import Panel
 from .pieces import best_box
@@ -33,6 +35,7 @@ from .revolved_mould import RevolvedMould
 __all__ = ["SHORT_SEAM", "Mould", "MouldReport", "PanelFit"]
 
 MAX_NAMED = 20  # panels that would break, named in the text
+K_MEANING = "K: Gaussian curvature, the product of the two principal curvatures; 1/R² on a sphere of radius R, negative on a saddle"
 SHORT_SEAM = 0.1  # length of seams below which they are named [m]
 
 
@@ -44,6 +47,11 @@ class Mould:
     surface: MouldSurface
     radius: float  # geodesic radius of the smallest cap that holds each of its panels [L]
     panels: int  # number of panels made on it
+
+    @cached_property
+    def depth(self) -> float:
+        """Height of the cap along the normal of its middle [L]."""
+        return float(np.ptp(cap_mesh(self.surface, self.radius)[0][:, 2]))
 
     @property
     def K(self) -> float:
@@ -85,6 +93,7 @@ class PanelFit:
     into_place: Fit  # best rigid motion from the mould to the position
     stresses: FloatArray  # (f,) stress of bending of every face [MPa]
     singular: bool  # whether its largest stress grows as the mesh is refined, as at point supports
+    sag: float  # largest distance of the edges of its flat triangles from the smooth surface [mm]
 
     @property
     def stress_95(self) -> float:
@@ -100,7 +109,9 @@ class PanelFit:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as a dict that can be written as JSON."""
-        own = {name: getattr(self, name) for name in ("mould", "radius", "gap", "edge_error", "rigid", "change", "stress", "singular")}
+        own = {
+            name: getattr(self, name) for name in ("mould", "radius", "gap", "edge_error", "rigid", "change", "stress", "singular", "sag")
+        }
         return {"panel": self.panel.name, "region": self.panel.region, "faces": len(self.panel.faces), **own}
 
 
@@ -152,6 +163,7 @@ class MouldReport:
                 "radius_of_curvature": own.radius_of_curvature,
                 "size": own.size,
                 "cap_radius": own.radius,
+                "cap_depth": own.depth,
                 "panels": own.panels,
             }
             for own in self.moulds
@@ -190,11 +202,15 @@ class MouldReport:
         return "\n".join(
             [
                 *self._overstressed(),
-                f"{_many(len(self.panels), 'panel')} on {_many(len(self.moulds), 'mould')}, with edges as {self.edges}",
+                f"{_many(len(self.panels), 'panel')} on {_many(len(self.moulds), 'mould')}; edges of triangles are "
+                f"{self.edges} of the moulds",
+                K_MEANING,
                 *(line for own in self.moulds for line in self._lines(own)),
                 f"bending stress on 95 % of the area: at most {_two_digits(self.stress_95)} MPa",
                 *self._singular(),
                 *self._short(),
+                f"panels are drawn as flat triangles, whose edges lie up to {_length(max(own.sag for own in self.panels))} from the smooth "
+                "surface; a finer mesh reduces this",
                 "congruence does not guarantee that a sheet can be bent into place: check the change of curvature and the stress",
             ]
         )
@@ -220,19 +236,20 @@ class MouldReport:
         named = ", ".join(names[:MAX_NAMED]) + (f" and {_many(more, 'other')}, listed in the report" if more > 0 else "")
         return [
             f"NOT BUILDABLE like this: {len(broken)} of {_many(len(self.panels), 'panel')} are bent beyond the strength of "
-            f"{self.thickness:g} mm {own.name}, up to {100 * most / strength:.0f} % of it ({_two_digits(1e-6 * most)} of "
-            f"{1e-6 * strength:g} MPa, without safety factor). Panels, with the radius of a flat sheet of the same stress: {named}. "
-            f"Make these panels in their final shape (hot bending, casting) "
-            f"instead of bending them from a mould of constant K, use sheets of at most {thinner}{how}"
+            f"{self.thickness:g} mm {own.name}, up to {100 * most / strength:.0f} % of it on 95 % of their area "
+            f"({_two_digits(1e-6 * most)} of {1e-6 * strength:g} MPa, without safety factor). Panels, with the radius of a flat sheet of "
+            f"the same stress: {named}. Make these panels in their final shape (hot bending, casting) instead of bending them from a mould "
+            f"of constant K, use sheets of at most {thinner}{how}"
         ]
 
     def _singular(self) -> list[str]:
         names = [own.panel.name for own in self.panels if own.singular]
         if not names:
             return []
+        where = "all panels" if len(names) == len(self.panels) > 1 else f"panels {', '.join(names)}"
         return [
-            "curvature is unbounded at point supports, corners of held edges and straight held edges (K > 0), so that the largest stress "
-            f"depends on the mesh in panels {', '.join(names)}"
+            "curvature is unbounded at point supports, corners of held edges, straight held edges (K > 0), and ends, crossings and kinks "
+            f"of creases, so that the largest stress depends on the mesh in {where}; judge these by the stress on 95 % of their area"
         ]
 
     def _short(self) -> list[str]:
@@ -244,12 +261,15 @@ class MouldReport:
         own = [fit for fit in self.panels if fit.mould == mould.number]
         long = mould.radius_of_curvature
         mm = 1e3 * self.unit
-        what = f"{mould.kind} of K = {mould.K / self.unit**2:.6g} 1/m²" + ("" if long is None else f", radius {mm * long:.0f} mm")
+        radius = "" if long is None else f", radius {'' if mould.kind == 'sphere' else '1/√|K| = '}{mm * long:.0f} mm"
+        what = f"{mould.kind} of K = {mould.K / self.unit**2:.6g} 1/m²" + radius
         if mould.size is not None:
-            what += f" (1/√|K|), {mm * mould.size:.0f} mm at its {'throat' if mould.K < 0.0 else 'equator'}, on which panels are centred"
+            what += f", {mm * mould.size:.0f} mm at its {'throat' if mould.K < 0.0 else 'equator'}, on which panels are centred"
         lines = [
-            f"mould {mould.number}: {what}, cap of radius {mm * mould.radius:.0f} mm for {_many(mould.panels, 'panel')}",
-            f"  fit: gaps up to {max(fit.gap for fit in own):.2g} mm, relative edge errors up to {max(fit.edge_error for fit in own):.1e}",
+            f"mould {mould.number}: {what}, needed for {_many(mould.panels, 'panel')}: a round cap of "
+            f"{mm * mould.radius:.0f} mm from its middle to its edge along the surface, {mm * mould.depth:.0f} mm deep",
+            f"  fit: gaps between triangles up to {_length(max(fit.gap for fit in own))}, lengths of their edges up to "
+            f"{_percent(max(fit.edge_error for fit in own))} different from those in position",
             f"  without bending, panels deviate from their position by {_spread([fit.rigid for fit in own], 'mm')}",
         ]
         changes = [fit.change for fit in own if fit.change is not None]
@@ -284,6 +304,15 @@ def _many(number: int, what: str) -> str:
 def _spread(values: list[float], unit: str = "") -> str:
     middle, most = (f"{_two_digits(value)} {unit}".rstrip() for value in (float(np.median(values)), max(values)))
     return f"{middle} (median), {most} at most"
+
+
+def _length(mm: float) -> str:
+    """Return a length in millimetres, without digits that no workshop can measure."""
+    return f"{_two_digits(mm)} mm" if mm >= 1e-3 else "0.001 mm"
+
+
+def _percent(ratio: float) -> str:
+    return f"{_two_digits(100 * ratio)} %" if ratio >= 1e-5 else "0.001 %"
 
 
 def _two_digits(value: float) -> str:

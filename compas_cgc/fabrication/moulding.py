@@ -321,7 +321,23 @@ def _fitted(
         nearest,
         stresses[piece.parts.within],
         bool(singular[piece.parts.whole].any()),
+        1e3 * unit * _sag(piece.places, operators[piece.parts.own_faces]),
     )
+
+
+def _sag(places: FloatArray, operators: FloatArray) -> float:
+    """Return the largest distance of edges from the smooth surface, by the normal curvature along them [L].
+
+    Parameters
+    ----------
+    places
+        (m, 3, 3) corners of faces [L].
+    operators
+        (m, 3, 3, 3) shape operators at the corners [1/L].
+    """
+    edges = np.roll(places, -1, axis=1) - places
+    along = 0.5 * (operators + np.roll(operators, -1, axis=1))
+    return float(np.abs(np.einsum("fei,feij,fej->fe", edges, along, edges)).max()) / 8.0
 
 
 def _least_bending(pieces: list[_Laid], radius: float, operators: FloatArray) -> MouldSurface:

@@ -12,6 +12,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
+from .mould_report import K_MEANING
 from .mould_report import SHORT_SEAM
 from .mould_report import MouldReport
 from .mould_report import PanelFit
@@ -32,6 +33,7 @@ _HEAD = (
     "length in mm",
     "width in mm",
     "rise over mean plane in mm",
+    "edges of triangles from smooth surface in mm",
     "area in m2",
     "sides in mm",
     "neighbours",
@@ -43,13 +45,16 @@ _HEAD = (
     "remarks",
 )
 STRESS_WITHOUT_LIMIT = (
-    "the curvature of the roof is unbounded here, at a point support, a corner of a held edge or a straight held edge (K > 0): the largest "
-    "stress grows as the mesh is refined; judge by the stress on 95 % of the area and reinforce the support"
+    "the curvature of the roof is unbounded here, at a point support, a corner of a held edge, a straight held edge (K > 0), or an end, a "
+    "crossing or a kink of creases: the largest stress grows as the mesh is refined; judge by the stress on 95 % of the area, and "
+    "reinforce the support or make the corner of the panel in its final shape"
 )
 NOTES = (
     "lengths in mm, in position, seen from outside, the side to which the normals point; sides are counterclockwise from corner 1",
-    "length and width: smallest rectangle around the outline in the mean plane of the panel",
-    "rise: distance between the lowest and the highest point of the panel over its mean plane",
+    K_MEANING,
+    "length and width: smallest rectangle around the bent panel in its mean plane, seen along the normal of this plane",
+    "rise: distance between the lowest and the highest point of the panel over its mean plane; panels are drawn as flat triangles, and the "
+    "edges of the triangles lie up to the given distance from the smooth surface",
     "sides: along the outline, from each corner to the next; neighbours in the same order; edge: edge of the roof",
     "diagonals: straight distances between corners that are no neighbours, in the order 1-3, 1-4, ..., 2-4, ...",
     "mould radius: 1/sqrt|K|, the radius of a sphere, or of a pseudosphere for K < 0, at the middle of the thickness: the face of a mould "
@@ -84,6 +89,7 @@ class PanelSheet(NamedTuple):
     size: tuple[float, float]  # length and width of the smallest rectangle [mm]
     rise: float  # distance between the lowest and the highest point over the mean plane [mm]
     area: float  # [m^2]
+    above: bool  # whether the outside, from which it is seen, is above
     used: float  # stress of bending on 95 % of the area, relative to the strength of the material
 
     @property
@@ -162,6 +168,7 @@ def _sheet(report: MouldReport, fit: PanelFit, outline: FloatArray, inside: Floa
         (mm * max(box.length, box.width), mm * min(box.length, box.width)),
         mm * float(np.ptp(height)),
         report.unit**2 * float(face_areas(fit.vertices, fit.faces).sum()),
+        bool(up[2] > 0.0),
         1e6 * fit.stress_95 / report.material.strength,
     )
 
@@ -197,6 +204,7 @@ def _row(own: PanelSheet) -> tuple:
         f"{own.size[0]:.1f}",
         f"{own.size[1]:.1f}",
         f"{own.rise:.1f}",
+        f"{own.fit.sag:.1f}",
         f"{own.area:.3f}",
         " ".join(f"{side.length:.1f}" for side in own.sides),
         " ".join(side.neighbour for side in own.sides),

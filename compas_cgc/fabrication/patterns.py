@@ -165,7 +165,8 @@ class Patterns:
         short = [seam for seam in self.seams if seam.length < 0.1 / metres(units)]
         if short:
             named = ", ".join(
-                f"{seam.number} ({'/'.join(self.pieces[k].label for k in seam.pieces)}, {in_mm([seam.length], units)})" for seam in short
+                f"seam {seam.number} of {' and '.join(self.pieces[k].label for k in seam.pieces)} ({in_mm([seam.length], units)})"
+                for seam in short
             )
             lines.append(f"seams shorter than 100 mm: {named}")
         lines += remarks(self)

@@ -19,7 +19,7 @@ from .nesting import nest
 from .quad_tables import quad_notes
 from .quads import PlaneQuads
 
-__all__ = ["draw_quads", "flat_beam", "flat_face"]
+__all__ = ["draw_quads", "face_label", "flat_beam", "flat_face"]
 
 ASPECT = 1.5  # of the drawing of all faces
 GAP, TEXT, ARROW = 0.1, 0.05, 0.25  # distance of faces, height of texts and length of arrows, relative to the spacing
@@ -97,7 +97,7 @@ def draw_quads(quads: PlaneQuads) -> Drawing:
                 beside = [f"B{beam_at[frozenset(ends)]}" for ends in zip(nodes, nodes[1:] + nodes[:1])]
                 lines.append(_arrow(points, middle))
                 texts += _along(points, middle, beside, nodes, height)
-                texts.append(_label(f"F{number}", points, 2.0 * height))
+                texts.append(face_label(f"F{number}", points, 2.0 * height))
             else:
                 nodes = quads.edges[number].tolist()
                 lines.append(Line("MARK", points[:2] + 0.1 * (points[[3, 2]] - points[:2])))
@@ -114,8 +114,8 @@ def draw_quads(quads: PlaneQuads) -> Drawing:
     return with_legend(Drawing(lines, texts, (right, low), "Millimeters"), MEANINGS, quad_notes(quads), 1.5 * height)
 
 
-def _label(name: str, points: FloatArray, height: float) -> Text:
-    """Return the name of a face at the place with most room."""
+def face_label(name: str, points: FloatArray, height: float) -> Text:
+    """Return the name of a face with corners (k, 2) at the place with most room, at most of a height."""
     share = np.array([[i, j, k] for i in range(1, 8) for j in range(1, 8) for k in range(1, 8) if i + j + k == 9]) / 9.0
     fan = np.array([points[[0, k, k + 1]] for k in range(1, len(points) - 1)])
     place, room = roomiest(np.einsum("sc,fcj->fsj", share, fan).reshape(-1, 2), [points])

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["json_text", "read_json"]
 
 # Keys of COMPAS data that are no names of what is inside of them.
+UNNAMED = ("CGCMesh", "Mesh")
 WRAPPERS = ("data", "value", "item", "items", "objects")
 
 
@@ -56,6 +57,9 @@ def read_json(path: Path, name: Optional[str] = None) -> tuple[CGCMesh, list[str
         meshes, others = _found_in(value)
         key, chosen = _chosen(meshes, others, name)
         mesh = _mesh_of(chosen)
+        # COMPAS calls objects without a name by their class.
+        if mesh.name in UNNAMED:
+            mesh.name = path.stem
         place = {key: i for i, key in enumerate(mesh.vertex)}
         points = [[own[axis] for axis in "xyz"] for own in mesh.vertex.values()]
         vertices = np.array(points, dtype=np.float64).reshape(-1, 3)

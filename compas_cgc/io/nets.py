@@ -10,24 +10,26 @@ from typing import Union
 import numpy as np
 
 from .._atomic_write import replacing
-from ..discrete.arrays import FloatArray
 from ..fabrication.curves import CurveNet
 from ..fabrication.curves import plural
 from ..fabrication.dxf import dxf_text
-from ..fabrication.dxf import new_document
-from ..fabrication.dxf import show_all
 from ..fabrication.lath_files import draw_laths
 from ..fabrication.lath_files import schedule_text
 from ..fabrication.laths import lath_schedule
 from ..fabrication.materials import metres_per_unit
 from ..fabrication.plain_data import build_data
+from ..fabrication.start_labels import names_at_starts
 from ..meshing import boundary_loops
 from ._files import suffix_among
 from .formats import OUTPUTS
+from .model_dxf import FIRST
+from .model_dxf import GREY
+from .model_dxf import INK
+from .model_dxf import SECOND
+from .model_dxf import ModelDxf
 
 __all__ = ["write_net"]
 
-NAME_PLACE = 0.1  # of the names of curves along them
 TEXT = 0.025  # height of names of curves, relative to their median length
 
 
@@ -71,50 +73,34 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet, **laths: Any) -> Non
 
 
 def _write_dxf(path: str, net: CurveNet) -> None:
-    """Write the curves in place, with their names at their starts, numbers of nodes, edges and creases of the surface, and a legend."""
+    """Write the curves in place, with their names beyond their starts, numbers of nodes, edges and creases of the surface, and a legend."""
     mm, problem = 1e3 * metres_per_unit(net.problem.drawing.units), net.problem
-    document = new_document("Millimeters")
-    space = document.modelspace()
-    for layer in ("CURVE_NUMBERS", "NODE_NUMBERS", "EDGES", "CREASES", "LEGEND"):
-        document.layers.add(layer)
     lengths = [mm * curve.length for curve in net.curves]
     height = TEXT * float(np.median(lengths))
-
-    def text(words: str, place: FloatArray, size: float, layer: str) -> None:
-        space.add_text(words, height=size, dxfattribs={"layer": layer}).set_placement(place.tolist())
-
+    drawing = ModelDxf(height)
+    for name, colour in (("CURVE_NUMBERS", INK), ("NODE_NUMBERS", GREY), ("EDGES", INK), ("CREASES", INK)):
+        drawing.layer(name, colour)
     layers = {}
-    for label, curve in zip(net.labels, net.curves):
+    places = names_at_starts(net.labels, [mm * curve.points[:, :2] for curve in net.curves], height)
+    for label, curve, place in zip(net.labels, net.curves, places):
         layer = f"{plural(curve.kind)} {curve.family + 1}".upper().replace(" ", "_")
-        if layer not in layers:
-            document.layers.add(layer)
-        layers[layer] = f"{plural(curve.kind)}, family {curve.family}"
-        space.add_polyline3d((mm * curve.points).tolist(), dxfattribs={"layer": layer})
-        text(label, mm * _at(curve.points, NAME_PLACE), height, "CURVE_NUMBERS")
+        layers[layer] = f"{plural(curve.kind)}, family {curve.family}, {'red' if curve.family else 'blue'}"
+        drawing.layer(layer, SECOND if curve.family else FIRST)
+        drawing.polyline(mm * curve.points, layer)
+        drawing.text(label, np.append(place, mm * curve.points[0, 2]), height, "CURVE_NUMBERS")
     for number, node in enumerate(mm * net.nodes):
-        text(str(number), node, 0.6 * height, "NODE_NUMBERS")
+        drawing.text(str(number), node + [0.0, 0.9 * height, 0.0], 0.6 * height, "NODE_NUMBERS")
     loops = [np.append(loop, loop[0]) for loop in boundary_loops(problem.faces)]
     for layer, paths in (("EDGES", loops), ("CREASES", problem.crease_paths())):
         for vertices in paths:
-            space.add_polyline3d((mm * problem.vertices[vertices]).tolist(), dxfattribs={"layer": layer})
-    # Below the model in plan.
-    corner = mm * problem.vertices.min(axis=0)
+            drawing.polyline(mm * problem.vertices[vertices], layer)
     notes = [
         "curves in place, 1:1; x, y, z in mm, in the coordinates of the model, x and y in plan, z up, with its origin",
         *(f"{layer}: {meaning}" for layer, meaning in sorted(layers.items())),
-        "CURVE_NUMBERS: on every curve near its start; L: asymptotic curve, with the number of its lath in the schedule of laths; C: line "
-        "of curvature; R: ruling",
-        "NODE_NUMBERS: crossings of curves, with the numbers of the schedule of laths" if len(net.nodes) else "",
+        "CURVE_NUMBERS: beyond the start of every curve; L: asymptotic curve, with the number of its lath in the schedule of laths; C: "
+        "line of curvature; R: ruling",
+        "NODE_NUMBERS: above crossings of curves, with the numbers of the schedule of laths" if len(net.nodes) else "",
         f"EDGES: edges of the surface{'; CREASES: its creases' if len(problem.creases) else ''}; curves end there",
         f"{len(net.curves)} curves of {min(lengths):.0f} to {max(lengths):.0f} mm",
     ]
-    for row, note in enumerate(filter(None, notes)):
-        text(note, corner - [0.0, (2.0 + row) * 1.8 * height, 0.0], height, "LEGEND")
-    show_all(document, mm * np.vstack([problem.vertices, corner / mm - [0.0, 20.0 * height / mm, 0.0]]))
-    document.saveas(path)
-
-
-def _at(points: FloatArray, share: float) -> FloatArray:
-    """Return the point of a polyline (k, 3) at a share of its length (3,)."""
-    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
-    return np.array([np.interp(share * along[-1], along, coordinate) for coordinate in points.T])
+    drawing.save(path, [note for note in notes if note])

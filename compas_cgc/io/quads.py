@@ -6,14 +6,14 @@ import json
 import os
 from typing import Union
 
+import numpy as np
+
 from .._atomic_write import replacing
-from ..discrete.arrays import FloatArray
 from ..fabrication.dxf import dxf_text
-from ..fabrication.dxf import new_document
-from ..fabrication.dxf import show_all
 from ..fabrication.materials import metres_per_unit
 from ..fabrication.plain_data import build_data
 from ..fabrication.quad_drawing import draw_quads
+from ..fabrication.quad_drawing import face_label
 from ..fabrication.quad_tables import beam_text
 from ..fabrication.quad_tables import face_text
 from ..fabrication.quad_tables import quad_notes
@@ -21,10 +21,15 @@ from ..fabrication.quads import PlaneQuads
 from ..fabrication.svg import svg_text
 from ._files import suffix_among
 from .formats import OUTPUTS
+from .model_dxf import FIRST
+from .model_dxf import GREY
+from .model_dxf import INK
+from .model_dxf import ModelDxf
 
 __all__ = ["write_quads"]
 
 TEXT = 0.1  # height of numbers of faces relative to the spacing
+BEAM_TEXT = 0.15  # largest height of numbers of beams and nodes, relative to the length of the beam
 
 
 def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
@@ -67,29 +72,23 @@ def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
 
 
 def _write_dxf(path: str, quads: PlaneQuads) -> None:
-    mm, height = 1e3 * metres_per_unit(quads.problem.drawing.units), TEXT * quads.spacing
-    document = new_document("Millimeters")
-    space = document.modelspace()
-    for name in ("FACES", "BEAMS", "FACE_NUMBERS", "BEAM_NUMBERS", "NODE_NUMBERS", "LEGEND"):
-        document.layers.add(name)
-
-    def number(text: str, place: FloatArray, size: float, layer: str) -> None:
-        space.add_text(text, height=mm * size, dxfattribs={"layer": layer}).set_placement((mm * place).tolist())
-
+    """Write the model in place, with numbers that fit into faces, along beams and between nodes."""
+    mm = 1e3 * metres_per_unit(quads.problem.drawing.units)
+    height, places = TEXT * mm * quads.spacing, mm * quads.vertices
+    drawing = ModelDxf(0.5 * height)
+    for name, colour in (("FACES", INK), ("BEAMS", FIRST), ("FACE_NUMBERS", INK), ("BEAM_NUMBERS", FIRST), ("NODE_NUMBERS", GREY)):
+        drawing.layer(name, colour)
     for k, face in enumerate(quads.faces):
-        points = quads.vertices[face]
-        space.add_polyline3d((mm * points).tolist(), close=True, dxfattribs={"layer": "FACES"})
-        number(f"F{k}", points.mean(axis=0), height, "FACE_NUMBERS")
-    for k, ends in enumerate(quads.vertices[quads.edges]):
-        start, end = (mm * ends).tolist()
-        space.add_line(start, end, dxfattribs={"layer": "BEAMS"})
-        number(f"B{k}", ends.mean(axis=0), 0.6 * height, "BEAM_NUMBERS")
-    for k, place in enumerate(quads.vertices):
-        number(str(k), place, 0.5 * height, "NODE_NUMBERS")
-    # Below the model in plan.
-    corner = quads.vertices.min(axis=0)
+        drawing.polyline(places[face], "FACES", closed=True)
+        label = face_label(f"F{k}", places[face][:, :2], height)
+        drawing.text(label.text, np.append(label.place, places[face][:, 2].mean()), label.height, "FACE_NUMBERS")
+    lengths = np.linalg.norm(places[quads.edges[:, 1]] - places[quads.edges[:, 0]], axis=1)
+    shortest = np.full(len(places), np.inf)
+    for k, (ends, length) in enumerate(zip(quads.edges, lengths.tolist())):
+        drawing.polyline(places[ends], "BEAMS")
+        shortest[ends] = np.minimum(shortest[ends], length)
+        drawing.text(f"B{k}", places[ends].mean(axis=0), min(0.6 * height, BEAM_TEXT * length), "BEAM_NUMBERS")
+    for k, (place, length) in enumerate(zip(places, shortest.tolist())):
+        drawing.text(str(k), place, min(0.5 * height, BEAM_TEXT * length), "NODE_NUMBERS")
     notes = ["model in place, 1:1, in mm; FACES: outlines of faces; BEAMS: axes of beams, between nodes at the faces", *quad_notes(quads)]
-    for row, note in enumerate(notes):
-        number(note, corner - [0.0, (3.0 + 2.0 * row) * 0.5 * height, 0.0], 0.5 * height, "LEGEND")
-    show_all(document, mm * quads.vertices)
-    document.saveas(path)
+    drawing.save(path, notes)

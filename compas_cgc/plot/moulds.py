@@ -32,7 +32,7 @@ __all__ = ["moulds_figure"]
 
 PAGE = (11.7, 8.3)  # A4 [in]
 WARNING = "#b00020"
-NAMED = 200  # number of panels up to which they are labelled
+MIN_FONT = 2.0  # of the names of panels, below which they are left out [pt]
 LETTER = 0.65  # width of a character, relative to the font size
 FONT = 6.2  # of the report [pt]
 LINE_PITCH = 1.35  # of the report, relative to the font
@@ -133,8 +133,7 @@ def _draw_plan(ax: Axes, problem: CGCProblem, report: MouldReport, colours: list
         outlines += [sheet[np.append(loop, loop[0])] for loop in boundary_loops(fit.faces)]
     ax.add_collection(collections.PolyCollection(np.concatenate(triangles), facecolors=fill, edgecolors=fill, linewidths=0.2))
     ax.add_collection(collections.LineCollection(outlines, colors=INK, linewidths=0.4))
-    if len(report.panels) <= NAMED:
-        _name_panels(ax, report, triangles, colours)
+    _name_panels(ax, report, triangles, colours)
     _tidy(ax)
 
 
@@ -148,7 +147,9 @@ def _name_panels(ax: Axes, report: MouldReport, triangles: list[FloatArray], col
         ahead, back = own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]
         areas = 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0])
         x, y = areas @ own.mean(axis=1) / areas.sum()
-        size = float(np.clip(0.75 * np.sqrt(areas.sum()) * scale / (LETTER * len(fit.panel.name)), 2.0, 8.0))
+        size = min(0.75 * float(np.sqrt(areas.sum())) * scale / (LETTER * len(fit.panel.name)), 8.0)
+        if size < MIN_FONT:
+            continue
         ink = INK if np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) > 0.45 else "white"
         ax.text(x, y, fit.panel.name, fontsize=size, ha="center", va="center", color=ink, clip_on=True)
 

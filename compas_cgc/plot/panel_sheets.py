@@ -16,8 +16,12 @@ import numpy as np
 from .._figures import matplotlib_module
 from .._figures import new_figure
 from .._figures import save_pages
+from ..discrete.arrays import FloatArray
+from ..fabrication.mould_report import K_MEANING
 from ..fabrication.panel_schedule import PanelSheet
 from .colours import INK
+from .free_texts import LETTER
+from .free_texts import FreeTexts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,8 +33,11 @@ WARNING = "#b00020"
 ROWS = 32  # of the schedule on one page
 KEY = (0.81, 0.79, 0.16, 0.16)  # place of the small plan on the page of a panel
 TEXT_WIDTH = 0.75  # width of a letter relative to its size, with room beside it
+SHARES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # of a side at which its texts are tried
+DIAGONAL_SHARES = (0.36, 0.28, 0.44, 0.2, 0.64, 0.72, 0.8)  # beside the middle, where diagonals cross
 MARGIN = 0.16  # around an outline, relative to its size
-MAX_LINE = 150  # characters of a remark on one line
+MAX_NOTE = 215  # characters of the notes of the schedule on one line
+MAX_LINE = 180  # characters of a remark on one line
 HEAD = (
     "panel",
     "region",
@@ -69,17 +76,19 @@ def _pages(sheets: list[PanelSheet], title: str) -> Iterator[Figure]:
 def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
     figure = new_figure(*PAGE)
     figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
-    about = (
-        "lengths in millimetres; sides counterclockwise from corner 1, seen from outside; rise: from the lowest to the highest point over "
-        "the mean plane; stress: of bending on 95 % of the area, in % of the strength"
-    )
     broken = [own.fit.panel.name for own in sheets if own.used > 1.0]
-    figure.text(0.05, 0.935, f"{about} (red: the panel breaks)" if broken else about, fontsize=7, color=INK)
+    about = (
+        f"lengths in millimetres; length x width: rectangle around the bent panel, not its blank; sides: counterclockwise from corner 1, "
+        f"{_seen(sheets)}; rise: from the lowest to the highest point over the mean plane; stress: of bending on 95 % of the area, in % of "
+        f"the strength{' (red: the panel breaks)' if broken else ''}; {K_MEANING}"
+    )
+    figure.text(0.05, 0.938, "\n".join(textwrap.wrap(about, MAX_NOTE)), fontsize=7, color=INK, va="top")
+    top = 0.882
     columns = np.array([0.05, 0.11, 0.15, 0.19, 0.25, 0.35, 0.47, 0.52, 0.57])
     for row, (own, cells) in enumerate(zip([None, *sheets], [HEAD, *map(_cells, sheets)])):
         ink = WARNING if own is not None and own.used > 1.0 else INK
         for x, cell in zip(columns, cells):
-            figure.text(x, 0.9 - row * 0.026, cell, fontsize=6.5, color=ink, weight="bold" if row == 0 else "normal")
+            figure.text(x, top - row * 0.026, cell, fontsize=6.5, color=ink, weight="bold" if row == 0 else "normal")
     return figure
 
 
@@ -126,33 +135,56 @@ def _cells(own: PanelSheet) -> tuple[str, ...]:
     return (*about, sides if len(sides) < 90 else f"{len(own.sides)} sides, see the drawing")
 
 
+def _draw_outline(axes: Any, own: PanelSheet, outline: FloatArray, scale: float) -> None:
+    """Draw the outline (k, 2) of a panel with its diagonals, lengths, neighbours and corners, at points of the page per millimetre."""
+    texts = FreeTexts(axes, scale)
+    texts.keep_free(outline, closed=True)
+    middle, corners = outline.mean(axis=0), np.array([side.points[0] for side in own.sides])
+    axes.fill(*outline.T, facecolor="0.96", edgecolor=INK, linewidth=1.0)
+    axes.plot(*corners.T, marker="o", markersize=3, color=INK, linestyle="")
+    steps = (10.0 + 4.0 * np.arange(40)) / scale
+    for k, corner in enumerate(corners):
+        away = (corner - middle) / np.linalg.norm(corner - middle)
+        texts.put(f"{k + 1} ({own.heights[k]:+.1f})", [corner + step * np.array([1.6, 1.0]) * away for step in steps], 7)
+    crowded = []
+    for side in own.sides:
+        chord = side.points[-1] - side.points[0]
+        out = np.array([chord[1], -chord[0]]) / max(float(np.linalg.norm(chord)), 1e-9)
+        length = f"{side.length:.1f}"
+        if 1.2 * LETTER * 8.0 * max(len(length), len(side.neighbour)) > scale * float(np.linalg.norm(chord)):
+            crowded.append((side, out))
+            continue
+        for text, aside, color in ((length, -8.0 * out / scale, INK), (side.neighbour, 8.0 * out / scale, "0.4")):
+            texts.put(text, [_along(side.points, share) + aside for share in SHARES], 8, _upright(chord), color)
+    # Beside sides that are shorter than their texts, these stand outside at the end of a line.
+    for side, out in crowded:
+        foot = _along(side.points, 0.5)
+        end = texts.put(f"{side.length:.1f}, {side.neighbour}", [foot + 2.0 * step * out for step in steps], 8)
+        axes.plot(*np.stack([foot, foot + 0.8 * (end - foot)]).T, color="0.6", linewidth=0.4)
+    for i, j, length in own.diagonals if len(own.sides) <= 6 else ():
+        ends = corners[[i, j]]
+        axes.plot(*ends.T, color="0.6", linewidth=0.5, linestyle=(0, (6, 3)))
+        texts.put(f"{length:.1f}", [_along(ends, share) for share in DIAGONAL_SHARES], 7, _upright(ends[1] - ends[0]), "0.35")
+
+
+def _along(points: FloatArray, share: float) -> FloatArray:
+    """Return the point of a polyline (k, 2) at a share of its length (2,)."""
+    at = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
+    return np.array([np.interp(share * at[-1], at, coordinate) for coordinate in points.T])
+
+
 def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] = ()) -> Figure:
     """Return the drawing of a panel: outline with lengths, diagonals and neighbours, size, mould and K, and its place among others."""
     figure = new_figure(*PAGE)
-    axes: Any = figure.add_axes((0.04, 0.2, 0.92, 0.58) if sheets else (0.04, 0.2, 0.92, 0.7))
+    place = (0.04, 0.24, 0.92, 0.54) if sheets else (0.04, 0.24, 0.92, 0.66)
+    axes: Any = figure.add_axes(place)
     axes.set_aspect("equal")
     axes.axis("off")
     outline = np.vstack([side.points[:-1] for side in own.sides])
     low, high = outline.min(axis=0), outline.max(axis=0)
-    middle, size = 0.5 * (low + high), float(np.ptp(outline, axis=0).max())
-    axes.fill(*outline.T, facecolor="0.96", edgecolor=INK, linewidth=1.0)
-    corners = np.array([side.points[0] for side in own.sides])
-    for i, j, length in own.diagonals if len(own.sides) <= 6 else ():
-        axes.plot(*corners[[i, j]].T, color="0.6", linewidth=0.5, linestyle=(0, (6, 3)))
-        # Beside the middle, where diagonals cross.
-        place = corners[i] + 0.36 * (corners[j] - corners[i])
-        axes.text(*place, f"{length:.1f}", fontsize=7, color="0.35", ha="center", va="center", rotation=_upright(corners[j] - corners[i]))
-    for k, side in enumerate(own.sides):
-        chord = side.points[-1] - side.points[0]
-        out = np.array([chord[1], -chord[0]]) / max(float(np.linalg.norm(chord)), 1e-9)
-        at = side.points[len(side.points) // 2] if len(side.points) > 2 else side.points.mean(axis=0)
-        angle = _upright(chord)
-        axes.text(*(at - 0.03 * size * out), f"{side.length:.1f}", fontsize=8, color=INK, ha="center", va="center", rotation=angle)
-        axes.text(*(at + 0.035 * size * out), side.neighbour, fontsize=8, color="0.4", ha="center", va="center", rotation=angle)
-        axes.plot(*corners[k], marker="o", markersize=3, color=INK)
-        away = corners[k] - middle
-        number = f"{k + 1} ({own.heights[k]:+.1f})"
-        axes.text(*(corners[k] + 0.045 * size * away / np.linalg.norm(away)), number, fontsize=7, color=INK, ha="center", va="center")
+    size = float(np.ptp(outline, axis=0).max())
+    room = 72.0 * np.array(PAGE) * place[2:] / (high - low + 2.0 * MARGIN * size)
+    _draw_outline(axes, own, outline, float(room.min()))
     if sheets:
         plan = _plan_axes(figure, sheets, KEY, "0.7")
         plan.fill(*own.corners[:, :2].T, facecolor="0.4", edgecolor=INK, linewidth=0.4)
@@ -161,12 +193,14 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
     axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
     figure.text(0.05, 0.95, f"{title} panel {own.fit.panel.name}".strip(), fontsize=13, color=INK, weight="bold")
-    about = "seen from outside in its mean plane, not to scale, lengths in millimetres; no joint is taken off"
+    about = f"{_seen([own])}, in its mean plane, not to scale, lengths in millimetres; no joint is taken off"
     figure.text(0.05, 0.925, about, fontsize=7, color=INK)
-    shape = f"K = {own.K:.6g} 1/m², radius {own.radius:.1f} mm" if own.radius else "plane"
+    radius = f"{'radius' if own.K > 0.0 else '1/√|K| ='} {own.radius:.1f} mm"
+    shape = f"Gaussian curvature K = {own.K:.6g} 1/m², {radius}" if own.radius else "plane"
     lines = [
         f"region {own.fit.panel.region}, mould {own.fit.mould}: {shape}",
-        f"rectangle {own.size[0]:.1f} x {own.size[1]:.1f} mm, rise over the mean plane {own.rise:.1f} mm, area {own.area:.3f} m²",
+        f"rectangle around the bent panel {own.size[0]:.1f} x {own.size[1]:.1f} mm, rise over the mean plane {own.rise:.1f} mm, "
+        f"area {own.area:.3f} m²; edges of its flat triangles lie up to {own.fit.sag:.1f} mm from the smooth surface",
         "inside: lengths of sides along the panel; outside: panels beyond; dashed: straight distances between corners; "
         "at corners: number (height over the mean plane, + to the viewer)",
     ]
@@ -177,9 +211,15 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
             f"bending stress from the mould into position: {own.fit.stress:.1f} MPa at most; on 95 % of the area "
             f"{own.fit.stress_95:.1f} MPa, {100.0 * own.used:.0f} % of the strength of the material{breaks}",
         )
-    lines += [row for remark in own.remarks for row in textwrap.wrap(remark, MAX_LINE)]
+    lines = [row for line in [*lines, *own.remarks] for row in textwrap.wrap(line, MAX_LINE)]
     figure.text(0.05, 0.04, "\n".join(lines), fontsize=8, color=WARNING if own.used > 1.0 else INK, linespacing=1.6)
     return figure
+
+
+def _seen(sheets: Sequence[PanelSheet]) -> str:
+    """Return from where panels are seen, also above or below if it is one of them for all."""
+    above = {own.above for own in sheets}
+    return "seen from outside" + (f", here from {'above' if above.pop() else 'below'}" if len(above) == 1 else "")
 
 
 def _upright(direction: np.ndarray) -> float:

@@ -13,6 +13,8 @@ from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication.drawing import overlap
+from compas_cgc.fabrication.drawing import text_box
 from compas_cgc.fabrication.shape_operators import shape_operators
 from compas_cgc.io.nets import write_net
 from compas_cgc.model.problem import Drawing
@@ -220,11 +222,17 @@ def test_files_hold_the_curves(suffix, tmp_path):
         lines = document.modelspace().query("POLYLINE")
         assert {line.dxf.layer for line in lines} == {"ASYMPTOTIC_CURVES_1", "ASYMPTOTIC_CURVES_2", "EDGES"}
         found = [len(line) for line in lines if line.dxf.layer.startswith("ASYMPTOTIC")]
-        starts = {text.dxf.text: text.dxf.insert for text in document.modelspace().query("TEXT[layer=='CURVE_NUMBERS']")}
+        names = document.modelspace().query("TEXT[layer=='CURVE_NUMBERS']")
+        starts = {text.dxf.text: np.array(list(text.dxf.align_point)) for text in names}
         assert list(starts) == [f"L{k}" for k in range(1, len(net.curves) + 1)] == net.labels
         for place, curve in zip(starts.values(), net.curves):
-            away = np.linalg.norm(curve.points - np.array(list(place)), axis=1)
-            assert away[0] < 0.11 * curve.length and away[-1] > 0.5 * curve.length
+            # Beyond the start of its own curve, in plan.
+            away = np.linalg.norm(curve.points[:, :2] - place[:2], axis=1)
+            back = curve.points[0, :2] - curve.points[1, :2]
+            assert away[0] == away.min() and (place[:2] - curve.points[0, :2]) @ back > 0.999 * away[0] * np.linalg.norm(back)
+        size = names[0].dxf.height
+        boxes = [text_box(text, place[:2], size) for text, place in starts.items()]
+        assert not any(overlap(one, other) for k, one in enumerate(boxes) for other in boxes[:k])
         assert len(document.modelspace().query("TEXT[layer=='NODE_NUMBERS']")) == len(net.nodes)
         legend = " ".join(text.dxf.text for text in document.modelspace().query("TEXT[layer=='LEGEND']"))
         assert all(f"{layer}:" in legend for layer in {line.dxf.layer for line in lines})

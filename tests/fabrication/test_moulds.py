@@ -274,7 +274,7 @@ def test_one_mould_for_every_k_and_every_panel_fits(roof):
     worst = max(report.panels, key=lambda fit: fit.change)
     # The other principal change adds to the stress or relieves it, by Poisson's ratio at most.
     assert abs(worst.stress / (70e3 * 0.006 * worst.change / (2 * (1 - 0.23**2))) - 1.0) <= 0.23
-    assert "144 panels on 2 moulds, with edges as chords" in str(report)
+    assert "144 panels on 2 moulds; edges of triangles are chords of the moulds" in str(report)
     assert json.loads(json.dumps(report.to_dict()))["moulds"][1]["K"] == -0.01
 
 

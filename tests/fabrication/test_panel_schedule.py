@@ -8,15 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from shapely import affinity
 
 import compas_cgc
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
+from compas_cgc.fabrication.panel_schedule import PanelSide
 from compas_cgc.fabrication.panel_schedule import panel_sheets
 from compas_cgc.fabrication.panel_schedule import schedule_text
 from compas_cgc.fabrication.panel_seams import panel_seams
 from compas_cgc.plot import moulds_figure
+from compas_cgc.plot.panel_sheets import panel_figure
 from compas_cgc.plot.panel_sheets import save_panel_sheets
 
 
@@ -123,3 +128,33 @@ def test_the_report_on_the_page_of_moulds_lies_above_the_plans(report, times):
     text = min(own.get_window_extent().y0 for own in figure.texts)
     plans = [own for own in figure.axes if own.get_title() and own.get_position().y0 < 0.3]
     assert len(plans) == 3 and text > max(own.title.get_window_extent().y1 for own in plans)
+
+
+def test_texts_of_a_narrow_panel_overlap_neither_each_other_nor_its_outline(report):
+    """A side of 60 mm beside sides of 2 m, whose texts stand outside at the end of a line."""
+    problem, made = report
+    own = panel_sheets(problem, made)[0]
+    corners = np.array([[0.0, 0.0], [2000.0, -400.0], [2000.0, 400.0], [0.0, 60.0]])
+    sides = [
+        PanelSide(np.array([a, b]), float(np.linalg.norm(b - a)), name)
+        for a, b, name in zip(corners, np.roll(corners, -1, axis=0), ("0-2", "edge", "0-3", "0-12"))
+    ]
+    diagonals = [(i, j, float(np.linalg.norm(corners[i] - corners[j]))) for i, j in ((0, 2), (1, 3))]
+    narrow = own._replace(sides=sides, corners=np.column_stack([corners, np.zeros(4)]), heights=np.zeros(4), diagonals=diagonals)
+    figure = panel_figure(narrow)
+    FigureCanvasAgg(figure).draw()
+    axes = figure.axes[0]
+    texts = [text for text in axes.texts if text.get_text()]
+    assert {text.get_text() for text in texts} >= {"60.0, 0-12", "800.0", "edge", "0-2", "0-3", "1 (+0.0)", "4 (+0.0)"}
+    boxes = []
+    for text in texts:
+        angle = text.get_rotation()
+        text.set_rotation(0.0)
+        box = text.get_window_extent()
+        text.set_rotation(angle)
+        middle = axes.transData.transform(text.get_position())
+        boxes.append(affinity.rotate(shapely.box(*(middle - 0.5 * box.size), *(middle + 0.5 * box.size)), angle))
+    outline = shapely.LinearRing(axes.transData.transform(corners))
+    for k, box in enumerate(boxes):
+        assert not box.intersects(outline)
+        assert not any(box.intersects(other) for other in boxes[:k])

@@ -92,6 +92,15 @@ def test_the_same_mesh_is_the_same_file_to_the_last_bit(tmp_path, suffix):
     assert one.read_bytes() == other.read_bytes()
 
 
+def test_a_mesh_without_a_name_is_called_by_the_name_of_its_file(tmp_path):
+    mesh = CGCMesh.from_meshgrid(dx=2.0, nx=2)
+    mesh.to_json(tmp_path / "hall.json")
+    assert read_problem(tmp_path / "hall.json").problem.drawing.name == "hall"
+    mesh.name = "porch"
+    mesh.to_json(tmp_path / "hall.json")
+    assert read_problem(tmp_path / "hall.json").problem.drawing.name == "porch"
+
+
 def test_a_constraint_in_a_json_file_that_is_none_is_a_sentence(tmp_path):
     mesh = roof()
     mesh.attributes["goals"] = [{"kind": "height", "vertices": [3], "height": "tall"}]

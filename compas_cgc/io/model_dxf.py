@@ -1,0 +1,65 @@
+"""DXF files of a model in place, in millimetres, with a legend below it in plan."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..fabrication.drawing import LETTER_WIDTH
+from ..fabrication.dxf import new_document
+from ..fabrication.dxf import show_all
+
+__all__ = ["FIRST", "GREY", "INK", "SECOND", "ModelDxf"]
+
+INK, FIRST, SECOND, GREY = 7, 5, 1, 8  # colours of AutoCAD: contrast to the background, blue, red, grey
+LINE_PITCH = 1.8  # distance of lines of the legend, relative to their height
+MIN_LINE = 60  # characters on a line of the legend at least
+
+
+class ModelDxf:
+    """A DXF with polylines and texts in space [mm].
+
+    Parameters
+    ----------
+    height
+        Height of the texts of the legend [mm].
+    """
+
+    def __init__(self, height: float):
+        self.document = new_document("Millimeters")
+        self.space = self.document.modelspace()
+        self.height = height
+        self.points = list[FloatArray]()
+
+    def layer(self, name: str, colour: int = INK) -> None:
+        """Add a layer, if it is new."""
+        if name not in self.document.layers:
+            self.document.layers.add(name, color=colour)
+
+    def polyline(self, points: FloatArray, layer: str, closed: bool = False) -> None:
+        """Add a polyline (k, 3)."""
+        self.points.append(points)
+        self.space.add_polyline3d(points.tolist(), close=closed, dxfattribs={"layer": layer})
+
+    def text(self, words: str, place: FloatArray, height: float, layer: str) -> None:
+        """Add a text with its middle at a place (3,)."""
+        from ezdxf.enums import TextEntityAlignment
+
+        entity = self.space.add_text(words, height=height, dxfattribs={"layer": layer})
+        entity.set_placement(place.tolist(), align=TextEntityAlignment.MIDDLE_CENTER)
+
+    def save(self, path: str, notes: Sequence[str]) -> None:
+        """Write the file with a legend as wide as the model, on the layer LEGEND."""
+        self.layer("LEGEND")
+        every = np.vstack(self.points)
+        low, high = every.min(axis=0), every.max(axis=0)
+        length = max(MIN_LINE, int((high[0] - low[0]) / (LETTER_WIDTH * self.height)))
+        rows = [row for note in notes for row in textwrap.wrap(note, length, subsequent_indent="    ")]
+        places = low - np.outer(2.0 + np.arange(len(rows)), [0.0, LINE_PITCH * self.height, 0.0])
+        for row, place in zip(rows, places):
+            self.space.add_text(row, height=self.height, dxfattribs={"layer": "LEGEND"}).set_placement(place.tolist())
+        show_all(self.document, np.vstack([low, high, places]))
+        self.document.saveas(path)
