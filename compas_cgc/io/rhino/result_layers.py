@@ -115,10 +115,10 @@ def draw_result(
     _draw_rough_places(writer, problem, report)
     units = unit_name(archive.Settings.ModelUnitSystem)
     notes = draw_nurbs(writer, problem, unit_suffix(units)) if nurbs else []
-    text = _summary(result, report, source, unit_suffix(units))
+    head, text = _summaries(result, report, source, unit_suffix(units))
     _, high, size = _extent(problem.vertices)
     on_report = writer.layer(f"{RESULT}::Report", (60, 60, 60))
-    writer.dot(text, high + [0.0, 0.1 * size, 0.0], writer.attributes(on_report, "report"))
+    writer.dot(head, high + [0.0, 0.1 * size, 0.0], writer.attributes(on_report, "report", {"report": text}))
     record = {"version": __version__, "units": units, **result.to_dict(history=False), **report.to_dict()}
     writer.document_text(
         [
@@ -190,9 +190,10 @@ def _extent(vertices: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     return low, high, float(np.linalg.norm(high - low))
 
 
-def _summary(result: SolveResult, analysis: SurfaceReport, source: Optional[str], unit: str) -> str:
-    """Return the text report on the result."""
+def _summaries(result: SolveResult, analysis: SurfaceReport, source: Optional[str], unit: str) -> tuple[str, str]:
+    """Return the result in three short lines, for a text dot, and the whole report."""
+    error = f"largest error of K {result.max_error:.3g}" + (f" 1/{unit.strip()}²" if unit else "")
+    verdict = "fair" if analysis.verdict.fair else "rough"
+    head = f"{source or 'result'}: {verdict}, {result.status}\n{error}\nfull report: user text of this dot"
     where = f" of {source}" if source else ""
-    inverse = f" 1/{unit.strip()}²" if unit else ""
-    head = f"compas_cgc {__version__}: result{where}\n{result.status}: {result.message}\nlargest error of K {result.max_error:.3g}{inverse}"
-    return f"{head}\n{analysis}"
+    return head, f"compas_cgc {__version__}: result{where}\n{result.status}: {result.message}\n{error}\n{analysis}"

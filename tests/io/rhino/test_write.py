@@ -182,7 +182,13 @@ def test_the_input_is_kept_and_the_result_stands_beside_it(handed_over, tmp_path
         legend = [e for e in parts[name] if isinstance(e.Geometry, rhino3dm.TextDot)]
         assert len(coloured) == 1 and len(coloured[0].VertexColors) == len(vertices) and len(legend) == 6
         assert len({e.Attributes.ObjectColor for e in legend}) == 6
-    assert "hall.3dm" in parts["Report"][0].Geometry.Text and result.status in parts["Report"][0].Geometry.Text
+    (report,) = parts["Report"]
+    lines = report.Geometry.Text.splitlines()
+    assert lines[0].startswith("hall.3dm: ") and result.status in lines[0]
+    text = report.Attributes.GetUserString("report")
+    assert text == file.Strings["compas_cgc.report"] and text.count("\n") > 3
+    dots = [e.Geometry.Text for own in parts.values() for e in own if isinstance(e.Geometry, rhino3dm.TextDot)]
+    assert len(dots) > 10 and all(text.count("\n") < 3 and max(map(len, text.splitlines())) <= 40 for text in dots)
     record = json.loads(file.Strings["compas_cgc.result"])
     assert record["status"] == result.status and record["units"] == "Centimeters" and len(record["regions"]) == 2
     assert json.loads(file.Strings["compas_cgc.settings"])["s"] == 0.7 == result.settings.s
