@@ -32,15 +32,17 @@ from .rhino.designs import DrawnSpline
 
 __all__ = ["main", "read_step_design"]
 
-DEFLECTION = 5e-5  # of triangles from trimmed faces, relative to the size
-TOLERANCE = 1e-4  # of the surface fitted to these triangles, relative to the size
+TOLERANCE = 1e-4  # of the surface fitted to triangles of trimmed faces, relative to the size
+# Largest distance of these triangles from their faces. With twice as much, fits deviate more than TOLERANCE between the vertices;
+# with half as much, OpenCASCADE takes two to five times longer.
+DEFLECTION = TOLERANCE
 ANGLES = (0.1, 0.5)  # largest angle between adjacent triangles, usually and beside spikes [rad]
 COARSE = 20.0  # deflection of a first division, relative to that of the second
 MAX_GROWTH = 2.0  # of the number of triangles of the first division by a small angle, beyond which there are spikes
 COINCIDENCE = 1e-7  # distance within which points of neighbouring faces coincide, relative to the size
 ON_SIDE = 1e-6  # distance of an edge from a side of its surface, relative to the range of the parameters
 EDGE_POINTS = 9
-SECONDS, SECONDS_PER_BYTE = 10.0, 20e-6  # longest processor time of reading; 4.8 s is the most that a valid design took
+SECONDS, SECONDS_PER_BYTE = 5.0, 20e-6  # longest processor time of reading; 2 s is the most that a valid design took
 MEMORY, MEMORY_PER_BYTE = 2**30, 100  # largest memory of reading [bytes]; 0.47 GB is the most that a valid design took
 PATIENCE = 20.0  # longest time by the clock, relative to the processor time, as on a busy computer
 _OUT_OF_TIME = getattr(signal, "SIGXCPU", 0)  # ends a process that has used its processor time
@@ -171,12 +173,13 @@ def _knots(knots: Callable, times: Callable, surface: Any) -> FloatArray:
 def _triangles(occt: Any, shape: Any, size: float) -> tuple[FloatArray, IntArray]:
     """Return the vertices and triangles, with a repeated last corner, of all faces; their common points are merged."""
     deflection, angle = DEFLECTION * size, _angle(occt, shape, size)
+    # OpenCASCADE leaves out faces without a word where it fails, as for lack of memory.
+    if not all(len(occt.tesselate(face, deflection, angle)[1]) for face in occt.shape_explore(shape, FACE)):
+        raise FileError("OpenCASCADE cannot divide all faces of the file into triangles; repair its faces and export it again")
+    # The shape keeps the triangles of its faces.
     points, corners, _ = occt.tesselate(shape, deflection, angle)
     V = np.asarray(points, float).reshape(-1, 3)
     F = np.asarray(corners, np.int64).reshape(-1, 3)
-    # OpenCASCADE leaves out faces without a word where it fails, as for lack of memory. Those that are divided are not divided again.
-    if not all(len(occt.tesselate(face, deflection, angle)[1]) for face in occt.shape_explore(shape, FACE)):
-        raise FileError("OpenCASCADE cannot divide all faces of the file into triangles; repair its faces and export it again")
     first = np.arange(len(V))
     for one, other in cKDTree(V).query_pairs(COINCIDENCE * size, output_type="ndarray"):
         first[max(one, other)] = min(first[one], first[other])

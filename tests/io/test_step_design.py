@@ -38,13 +38,23 @@ def test_an_untrimmed_rational_surface_is_read_exactly(tmp_path):
     assert np.abs(found - 1e3 * half.at(u, v)).max() < 1e-8
 
 
-def test_a_shell_of_trimmed_faces_is_one_design(tmp_path):
+@pytest.fixture(scope="module")
+def roof(tmp_path_factory):
+    """A solved roof of several faces, and its STEP file."""
     result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
-    compas_cgc.write(tmp_path / "cushion.step", result)
-    drawn = read_step_design(tmp_path / "cushion.step")
+    path = tmp_path_factory.mktemp("roof") / "roof.step"
+    compas_cgc.write(path, result)
+    return result, path
+
+
+def test_a_shell_of_trimmed_faces_is_one_design(roof, monkeypatch):
+    result, path = roof
+    drawn = read_step_design(path)
     size = 1e3 * np.linalg.norm(np.ptp(result.vertices, axis=0))
     assert drawn.spline is None and np.linalg.norm(np.ptp(drawn.vertices, axis=0)) == pytest.approx(size, rel=1e-3)
-    design = read_design(tmp_path / "cushion.step")
+    # The file is read once; the next test reads one by `read_design`.
+    monkeypatch.setattr(step_design, "read_step_design", lambda path: drawn)
+    design = read_design(path)
     # The rim is the rectangle of the plan.
     assert not design.trimmed and design.deviation < 1e-4 * size
 
@@ -72,10 +82,8 @@ def test_files_without_a_design_get_one_sentence(tmp_path):
         read_design(garbage, seams="Joints")
 
 
-def test_a_surface_beyond_all_bounds_is_refused_with_a_sentence(tmp_path):
-    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
-    compas_cgc.write(tmp_path / "cushion.step", result)
-    text = (tmp_path / "cushion.step").read_text(encoding="utf-8")
+def test_a_surface_beyond_all_bounds_is_refused_with_a_sentence(roof, tmp_path):
+    text = roof[1].read_text(encoding="utf-8")
     pole = text.index("CARTESIAN_POINT('',(", text.index("B_SPLINE_SURFACE")) + len("CARTESIAN_POINT('',(")
     (tmp_path / "far.step").write_text(text[:pole] + "1.E308" + text[text.index(",", pole) :], encoding="utf-8")
     with pytest.raises(FileError, match=r"far\.step holds faces that are not valid"):
@@ -134,7 +142,7 @@ def test_a_reader_that_has_used_its_processor_time_is_said(cushion, tmp_path, mo
     reader.write_text("#!/bin/sh\nkill -XCPU $$\n", encoding="utf-8")
     reader.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(reader))
-    with pytest.raises(FileError, match="takes more than 1. s to read"):
+    with pytest.raises(FileError, match="takes more than [67] s to read"):
         read_step_design(tmp_path / "cushion.step")
 
 
