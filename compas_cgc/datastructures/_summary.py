@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Optional
 
@@ -13,6 +14,7 @@ from ..discrete.arrays import FloatArray
 from ..model.checks import turns_about
 from ..model.goals.wholes import Unknown
 from ..model.laws import Law
+from ..model.problem import UNIT_SYMBOLS
 from ..model.problem import CGCProblem
 from ..model.result import FAILED
 from ..model.roles import FIXED
@@ -49,9 +51,15 @@ def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judge
 
 
 def _heights(problem: CGCProblem) -> str:
-    size = float(np.ptp(problem.vertices, axis=0).max(initial=0.0))
-    low, high = (_number(z, size) for z in (problem.vertices[:, 2].min(), problem.vertices[:, 2].max()))
-    return f"level at {low}" if low == high else f"heights from {low} to {high}{_sunk(problem, size)}"
+    """Return the range of heights over the lowest support, in the unit of the drawing; of z where there are no supports."""
+    size, z = float(np.ptp(problem.vertices, axis=0).max(initial=0.0)), problem.vertices[:, 2]
+    held = problem.roles == FIXED
+    base = float(z[held].min()) if held.any() else 0.0
+    low, high = (_number(own - base, size) for own in (float(z.min()), float(z.max())))
+    unit = f" {UNIT_SYMBOLS[problem.drawing.units]}" if problem.drawing.units in UNIT_SYMBOLS else ""
+    if low == high:
+        return "level with its supports" if held.any() else f"level at z = {low}{unit}"
+    return f"heights from {low} to {high}{unit}{' over the lowest support' if held.any() else ''}{_sunk(problem, size)}"
 
 
 def _sunk(problem: CGCProblem, size: float) -> str:
@@ -117,4 +125,10 @@ def _held(problem: CGCProblem) -> str:
 
 
 def _number(value: float, size: float) -> str:
-    return "0" if abs(value) <= ZERO_HEIGHT * size else f"{value:.4g}"
+    """Return a length with four digits, or those that are four digits of the size of the surface if it is far from the origin."""
+    if abs(value) <= ZERO_HEIGHT * size:
+        return "0"
+    digits = 4 + max(0, math.floor(math.log10(abs(value))) - math.floor(math.log10(size)))
+    return (
+        f"{value:.{digits}g}" if abs(value) < 1e-4 else np.format_float_positional(value, digits, unique=False, fractional=False, trim="-")
+    )

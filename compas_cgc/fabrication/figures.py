@@ -8,11 +8,11 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..model.problem import UNIT_SYMBOLS
 from .materials import METRES
 
-__all__ = ["SYMBOLS", "in_mm", "in_square_metres", "metres", "on_most_of_the_area", "unit_symbol"]
+__all__ = ["in_mm", "in_square_metres", "metres", "on_most_of_the_area", "unit_symbol"]
 
-SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
 AREA_SHARE = 0.95  # on which a figure is stated; curvature and stress are unbounded at point supports
 
 
@@ -23,7 +23,7 @@ def metres(units: Optional[str]) -> float:
 
 def unit_symbol(units: Optional[str]) -> str:
     """Return the symbol of the unit of a drawing, such as ``mm``; a drawing without units is in metres."""
-    return SYMBOLS.get(units or "Meters", units or "m")
+    return UNIT_SYMBOLS.get(units or "Meters", units or "m")
 
 
 def in_mm(lengths: Sequence[float], units: Optional[str]) -> str:

@@ -20,6 +20,7 @@ from compas_cgc.model.problem import FIXED
 from compas_cgc.model.problem import FREE
 from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.problem import Drawing
 from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import project
 
@@ -296,3 +297,14 @@ def test_a_valley_between_domes_that_sinks_below_its_supports_is_seen():
     above, below = (verdict(replace(creased, vertices=np.column_stack([x, y, z]))) for z in heights)
     assert not any("dips" in reason for reason in above.reasons)
     assert any("dips by" in reason and "support it there" in reason for reason in below.reasons)
+
+
+@pytest.mark.parametrize("height", [0.0, 3.53e6])
+def test_heights_are_stated_over_the_supports_wherever_the_drawing_lies(height):
+    mesh = CGCMesh.from_meshgrid(dx=8.0, nx=8)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    problem = mesh.to_problem().with_vertices(mesh.to_problem().vertices + [0.0, 0.0, height])
+    result = solve(replace(problem, drawing=Drawing(units="Meters")))
+    rise = result.vertices[:, 2].max() - height
+    assert f"heights from 0 to {rise:.4g} m over the lowest support" in result.summary

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...errors import FileError
-from ...fabrication.figures import SYMBOLS
+from ...model.problem import UNIT_SYMBOLS
 from ._types import UnitSystem
 from .archive import rhino3dm_module
 
@@ -33,4 +33,4 @@ def unit_system(name: str) -> UnitSystem:
 
 def unit_suffix(name: str) -> str:
     """Return the suffix of a length in messages, such as `` mm``; empty for units without an abbreviation."""
-    return f" {SYMBOLS[name]}" if name in SYMBOLS else ""
+    return f" {UNIT_SYMBOLS[name]}" if name in UNIT_SYMBOLS else ""
