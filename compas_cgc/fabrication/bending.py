@@ -17,6 +17,7 @@ from .materials import Material
 from .materials import bending_stress
 from .mould_surface import MouldSurface
 from .patchwork import weights_in
+from .shell.singular import between_hills_and_bowls
 
 __all__ = ["corner_operators", "curvature_changes", "mesh_dependent", "plate_stress"]
 
@@ -99,7 +100,7 @@ def mesh_dependent(problem: CGCProblem) -> Mask:
     """Return the vertices where the curvature of the surface is unbounded, so that stress grows as the mesh is refined (n,).
 
     These are point supports, corners of held edges, where K > 0 straight held edges, which such a surface cannot contain, and ends,
-    crossings and kinks of creases. Along a smooth crease curvature is bounded.
+    crossings and kinks of creases. Along a smooth crease curvature is bounded, unless it lies between hills and bowls.
     """
     V, n = problem.vertices, len(problem.vertices)
     fixed = problem.roles == FIXED
@@ -122,7 +123,7 @@ def mesh_dependent(problem: CGCProblem) -> Mask:
     within = arms[one] == 2
     middle, (back, ahead) = one[within][::2], other[within].reshape(-1, 2).T
     found[middle] |= _turns(V, back, middle, ahead) > SHARP
-    return found
+    return found | between_hills_and_bowls(problem)
 
 
 def _turns(V: FloatArray, before: IntArray, at: IntArray, after: IntArray) -> FloatArray:

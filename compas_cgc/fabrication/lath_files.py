@@ -9,6 +9,7 @@ from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
+from .drawing import text_box
 from .laths import Lath
 from .laths import LathSchedule
 from .legend import outside_note
@@ -199,7 +200,8 @@ def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
     height = PLAN_TEXT * mm * float(np.ptp(np.concatenate([lath.path for lath in schedule.laths]), axis=0).max())
     paths = [mm * lath.path[:, :2] - origin for lath in schedule.laths]
     names = [f"L{lath.number}" for lath in schedule.laths]
-    texts = [Text("LABEL", name, place, height) for name, place in zip(names, names_at_starts(names, paths, height))]
     numbers = {node: place for lath in schedule.laths for node, place in zip(lath.nodes.tolist(), mm * lath.points[:, :2] - origin)}
+    boxes = [text_box(str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
+    texts = [Text("LABEL", name, place, height) for name, place in zip(names, names_at_starts(names, paths, height, boxes))]
     texts += [Text("NODE", str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
     return Drawing([Line("PLAN", path) for path in paths], texts, (0.0, 0.0), "Millimeters")

@@ -248,8 +248,9 @@ class MouldReport:
             return []
         where = "all panels" if len(names) == len(self.panels) > 1 else f"panels {', '.join(names)}"
         return [
-            "curvature is unbounded at point supports, corners of held edges, straight held edges (K > 0), and ends, crossings and kinks "
-            f"of creases, so that the largest stress depends on the mesh in {where}; judge these by the stress on 95 % of their area"
+            "curvature is unbounded at point supports, corners of held edges, straight held edges (K > 0), ends, crossings and kinks of "
+            "creases, and creases between hills and bowls, so that the largest stress depends on the mesh in "
+            f"{where}; judge these by the stress on 95 % of their area"
         ]
 
     def _short(self) -> list[str]:

@@ -45,9 +45,9 @@ _HEAD = (
     "remarks",
 )
 STRESS_WITHOUT_LIMIT = (
-    "the curvature of the roof is unbounded here, at a point support, a corner of a held edge, a straight held edge (K > 0), or an end, a "
-    "crossing or a kink of creases: the largest stress grows as the mesh is refined; judge by the stress on 95 % of the area, and "
-    "reinforce the support or make the corner of the panel in its final shape"
+    "the curvature of the roof is unbounded here, at a point support, a corner of a held edge, a straight held edge (K > 0), an end, a "
+    "crossing or a kink of creases, or a crease between a hill and a bowl: the largest stress grows as the mesh is refined; judge by the "
+    "stress on 95 % of the area, and reinforce the support or make the corner of the panel in its final shape"
 )
 NOTES = (
     "lengths in mm, in position, seen from outside, the side to which the normals point; sides are counterclockwise from corner 1",

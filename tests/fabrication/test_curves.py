@@ -232,6 +232,8 @@ def test_files_hold_the_curves(suffix, tmp_path):
             assert away[0] == away.min() and (place[:2] - curve.points[0, :2]) @ back > 0.999 * away[0] * np.linalg.norm(back)
         size = names[0].dxf.height
         boxes = [text_box(text, place[:2], size) for text, place in starts.items()]
+        numbers = document.modelspace().query("TEXT[layer=='NODE_NUMBERS']")
+        boxes += [text_box(text.dxf.text, np.array(list(text.dxf.align_point))[:2], text.dxf.height) for text in numbers]
         assert not any(overlap(one, other) for k, one in enumerate(boxes) for other in boxes[:k])
         assert len(document.modelspace().query("TEXT[layer=='NODE_NUMBERS']")) == len(net.nodes)
         legend = " ".join(text.dxf.text for text in document.modelspace().query("TEXT[layer=='LEGEND']"))

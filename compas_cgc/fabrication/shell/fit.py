@@ -239,7 +239,7 @@ class _System:
         self.V = (V - self.centre) / self.scale
         self.edge = float(np.linalg.norm(self.V[F[:, 1]] - self.V[F[:, 0]], axis=1).mean())
         self.edges = region_edges(self.V, F, self.label)
-        self.singular = self.V[singular_vertices(problem, self.edges)]
+        self.singular = self.V[singular_vertices(problem)]
         self.lines = [samples(self.V[edge.path]) for edge in self.edges]
         self.regions = self._regions(cell)
         self.size = sum(region.splines.space.size for region in self.regions)
