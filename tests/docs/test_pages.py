@@ -31,7 +31,7 @@ ELSEWHERE = {"goals.md", "gallery.md", "fairness.md"}
 # Commands that other tests run, or that do not come to an end.
 NOT_RUN = {"serve", "bench", "reproduce", "grasshopper", "warm", "example"}
 # Long examples of what other tests show on smaller meshes.
-NIGHTLY = {"fabrication.md", "recipes.md", "studies.md", "roof.md", "canopy.md", "vault.md", "facade.md", "cushion.md"}
+NIGHTLY = {"fabrication.md", "freeform.md", "recipes.md", "studies.md", "roof.md", "canopy.md", "vault.md", "facade.md", "cushion.md"}
 
 
 def blocks(path: Path, *languages: str) -> list[tuple[str, str]]:
