@@ -150,11 +150,11 @@ def _draw_outline(axes: Any, own: PanelSheet, outline: FloatArray, scale: float)
     for side in own.sides:
         chord = side.points[-1] - side.points[0]
         out = np.array([chord[1], -chord[0]]) / max(float(np.linalg.norm(chord)), 1e-9)
-        length = f"{side.length:.1f}"
-        if 1.2 * LETTER * 8.0 * max(len(length), len(side.neighbour)) > scale * float(np.linalg.norm(chord)):
+        words = f"{side.length:.1f}"
+        if 1.2 * LETTER * 8.0 * max(len(words), len(side.neighbour)) > scale * float(np.linalg.norm(chord)):
             crowded.append((side, out))
             continue
-        for text, aside, color in ((length, -8.0 * out / scale, INK), (side.neighbour, 8.0 * out / scale, "0.4")):
+        for text, aside, color in ((words, -8.0 * out / scale, INK), (side.neighbour, 8.0 * out / scale, "0.4")):
             texts.put(text, [_along(side.points, share) + aside for share in SHARES], 8, _upright(chord), color)
     # Beside sides that are shorter than their texts, these stand outside at the end of a line.
     for side, out in crowded:
