@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Optional
 
@@ -14,6 +13,7 @@ from ..discrete.arrays import FloatArray
 from ..model.checks import turns_about
 from ..model.goals.wholes import Unknown
 from ..model.laws import Law
+from ..model.lengths import length_text
 from ..model.problem import UNIT_SYMBOLS
 from ..model.problem import CGCProblem
 from ..model.result import FAILED
@@ -22,7 +22,6 @@ from ..model.verdict import Verdict
 
 __all__ = ["summary"]
 
-ZERO_HEIGHT = 1e-9  # height relative to the size of a surface that is written as 0
 MIN_SAG = 1e-3  # depth below the supports, relative to the size, that is reported
 MIN_PLAN_SHARE = 0.5  # share of the area of a drawing that must face one way for its plan area to make sense
 PLAN_RANGE = (0.8, 1.25)  # ratios of plan area to drawn plan area that are not reported
@@ -55,7 +54,7 @@ def _heights(problem: CGCProblem) -> str:
     size, z = float(np.ptp(problem.vertices, axis=0).max(initial=0.0)), problem.vertices[:, 2]
     held = problem.roles == FIXED
     base = float(z[held].min()) if held.any() else 0.0
-    low, high = (_number(own - base, size) for own in (float(z.min()), float(z.max())))
+    low, high = (length_text(own - base, size) for own in (float(z.min()), float(z.max())))
     unit = f" {UNIT_SYMBOLS[problem.drawing.units]}" if problem.drawing.units in UNIT_SYMBOLS else ""
     if low == high:
         return "level with its supports" if held.any() else f"level at z = {low}{unit}"
@@ -72,7 +71,7 @@ def _sunk(problem: CGCProblem, size: float) -> str:
     lowest = float(z[fixed].min())
     under = lowest - float(z.min())
     return (
-        f", sagging {_number(under, size)} below its boundary (goals=[Above({_number(lowest, size)})] prevents this)"
+        f", sagging {length_text(under, size)} below its boundary (goals=[Above({length_text(lowest, size)})] prevents this)"
         if under > MIN_SAG * size
         else ""
     )
@@ -122,13 +121,3 @@ def _held(problem: CGCProblem) -> str:
     count = int(fixed.sum())
     loose = " only, about which it can rotate" if turns_about(problem) else ""
     return f"supported at {count} of {len(fixed)} vertices{loose}"
-
-
-def _number(value: float, size: float) -> str:
-    """Return a length with four digits, or those that are four digits of the size of the surface if it is far from the origin."""
-    if abs(value) <= ZERO_HEIGHT * size:
-        return "0"
-    digits = 4 + max(0, math.floor(math.log10(abs(value))) - math.floor(math.log10(size)))
-    return (
-        f"{value:.{digits}g}" if abs(value) < 1e-4 else np.format_float_positional(value, digits, unique=False, fractional=False, trim="-")
-    )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..errors import names_what_was_meant
 from ..fabrication.flattening import LONG_ASPECT
 from ..fabrication.flattening import STRAIN
 from ..fabrication.flattening import widest_panel
 from ..meshing import Diagnostic
 from ..model.checks import check
+from ..model.lengths import place_text
 from ..model.problem import CGCProblem
 from .reading import ReadProblem
 from .rhino.units import unit_suffix
@@ -41,12 +44,12 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     problem = read.problem
     targets = problem.region_targets()
     lines = [_head(problem), *(f"- {note}" for note in read.notes), f"{len(targets)} region{'s' if len(targets) > 1 else ''}:"]
-    label = problem.regions()
+    label, size = problem.regions(), float(np.ptp(problem.vertices, axis=0).max(initial=0.0))
     for number, K in enumerate(targets):
         faces = problem.faces[label == number]
-        place = ", ".join(f"{x:.4g}" for x in problem.vertices[faces].mean(axis=(0, 1)))
+        place = place_text(problem.vertices[faces].mean(axis=(0, 1)), size)
         asked = str(problem.laws.get(number, "no target")) if K is None else f"K = {K:g}{_panels(K)}"
-        lines.append(f"- region {number} around ({place}): {len(faces)} faces, {asked}")
+        lines.append(f"- region {number} around {place}: {len(faces)} faces, {asked}")
     return "\n".join(lines), [*read.diagnostics, *check(problem)]
 
 

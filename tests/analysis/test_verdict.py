@@ -15,6 +15,8 @@ from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import face_areas
 from compas_cgc.discrete import vertex_normals
+from compas_cgc.io.reading import ReadProblem
+from compas_cgc.io.summary import describe
 from compas_cgc.model.problem import CREASE
 from compas_cgc.model.problem import FIXED
 from compas_cgc.model.problem import FREE
@@ -305,6 +307,8 @@ def test_heights_are_stated_over_the_supports_wherever_the_drawing_lies(height):
     mesh.set_supports("boundary")
     mesh.set_target(0.01)
     problem = mesh.to_problem().with_vertices(mesh.to_problem().vertices + [0.0, 0.0, height])
+    text, _ = describe(ReadProblem(problem, (), ()))
+    assert f"around (4, 4, {height:.0f})" in text
     result = solve(replace(problem, drawing=Drawing(units="Meters")))
     rise = result.vertices[:, 2].max() - height
     assert f"heights from 0 to {rise:.4g} m over the lowest support" in result.summary

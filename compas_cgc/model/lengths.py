@@ -1,0 +1,37 @@
+"""Lengths and places as text, with the digits that matter for a model of a size, wherever it lies."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+
+__all__ = ["length_text", "place_text"]
+
+ZERO_LENGTH = 1e-9  # length relative to the size of a model that is written as 0
+DIGITS = 4
+
+
+def length_text(value: float, size: float) -> str:
+    """Return a length with four digits, and more where a coordinate is larger than the size of its model [L].
+
+    Examples
+    --------
+    >>> length_text(2.33912, 20.0), length_text(3530000.256, 20.0)
+    ('2.339', '3530000.26')
+    """
+    if not math.isfinite(value):
+        return str(value)
+    if abs(value) <= ZERO_LENGTH * size:
+        return "0"
+    digits = DIGITS + (max(0, math.floor(math.log10(abs(value))) - math.floor(math.log10(size))) if 0.0 < size < math.inf else 0)
+    if abs(value) < 10.0**-DIGITS:
+        return f"{value:.{digits}g}"
+    return np.format_float_positional(value, digits, unique=False, fractional=False, trim="-")
+
+
+def place_text(point: FloatArray, size: float) -> str:
+    """Return a point (3,) of a model of a size as text, such as ``(1, 2.5, 0)`` [L]."""
+    return f"({', '.join(length_text(x, size) for x in point.tolist())})"
