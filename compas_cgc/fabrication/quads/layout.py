@@ -41,11 +41,17 @@ from .planarity import gaps
 from .planarity import planarised
 from .planarity import polygon_edges
 from .plane_faces import PlaneQuads
+from .plane_faces import dead_ends
 from .symmetry import symmetrised
 
 __all__ = ["plane_quads"]
 
-SMOOTHING = (0.3, 0.6, 1.2, 2.4)  # of the spacing, over which directions are averaged, until singularities are far enough apart
+SMOOTHING = (
+    0.3,
+    0.6,
+    1.2,
+    2.4,
+)  # of the spacing, over which directions are averaged, until singularities are far enough apart and no line ends inside
 FINENESS = 0.25  # of the spacing, below which the edges of the mesh are divided
 MAX_DIVISIONS = 3
 SHORTEST = 0.25  # of the spacing, side at the rim below which lines share a vertex of the rim
@@ -152,16 +158,20 @@ def _laid_out(vertices: Vertices, faces: Faces, K: Optional[float], spacing: flo
     else:
         density, typical = np.ones(len(triangles)), K
         sides = [side for loop, own in zip(loops, turns) for side in _sides(loop, own)]
-    polygons = None
+    # Directions vary much near point supports and corners of held rims, which adds singularities where lines would end.
+    tried = list[tuple[int, _Layout]]()
     for length in SMOOTHING:
         field = cross_field(fine, triangles, S, typical, length * spacing)
         found = extracted(fine, triangles, parametrised(fine, triangles, field, spacing, sides, density), spacing, kinks)
-        if all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
-            polygons = found
-            break
-    if polygons is None or not polygons.faces:
+        if found.faces and all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
+            own = _Layout(found, (V, F), (fine, triangles), loops)
+            plane = _finished(own, spacing)[0]
+            tried.append((dead_ends(plane.vertices, polygon_edges(plane.faces), plane.rim), own))
+            if not tried[-1][0]:
+                break
+    if not tried:
         raise CGCError(f"singularities of region {region} lie too close together for lines {spacing:.3g} apart; use a smaller spacing")
-    return _Layout(polygons, (V, F), (fine, triangles), loops)
+    return min(tried, key=lambda each: each[0])[1]
 
 
 def _symmetric(problem: CGCProblem, layouts: list[_Layout], spacing: float) -> list[_Layout]:

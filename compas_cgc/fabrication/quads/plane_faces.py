@@ -13,7 +13,7 @@ from ...discrete.arrays import Vectors
 from ...model.problem import CGCProblem
 from ..materials import metres_per_unit
 
-__all__ = ["PlaneQuads", "axis_lines"]
+__all__ = ["PlaneQuads", "axis_lines", "dead_ends"]
 
 STRAIGHT = np.deg2rad(150.0)  # angle at a vertex with three sides from which one of them is a line that ends there
 SHORT = 100.0  # mm, beams below which are named
@@ -97,14 +97,7 @@ class PlaneQuads:
     @property
     def dead_ends(self) -> int:
         """Number of lines that end inside: at corners with two sides, or with three of which two are in line."""
-        ends = 0
-        for vertex in self.irregular.tolist():
-            others = self.edges[(self.edges == vertex).any(axis=1)].sum(axis=1) - vertex
-            along = self.vertices[others] - self.vertices[vertex]
-            along = along / np.linalg.norm(along, axis=1, keepdims=True)
-            straight = np.arccos(np.clip(along @ along.T, -1.0, 1.0)).max() >= STRAIGHT
-            ends += len(others) < 3 or (len(others) == 3 and bool(straight))
-        return ends
+        return dead_ends(self.vertices, self.edges, self.rim)
 
     def summary(self) -> str:
         """Return lines of text with counts, planarity, distances from the surface and offsets."""
@@ -140,6 +133,19 @@ class PlaneQuads:
         short = np.flatnonzero(lengths < SHORT)
         named = ", ".join(f"B{k} ({lengths[k]:.0f} mm)" for k in short[np.argsort(lengths[short], kind="stable")].tolist())
         return f"beams shorter than {SHORT:g} mm: {named}" if len(short) else ""
+
+
+def dead_ends(vertices: Vectors, edges: IntArray, rim: Mask) -> int:
+    """Return the number of lines that end inside: at corners with two sides, or with three of which two are in line."""
+    degree = np.bincount(edges.ravel(), minlength=len(vertices))
+    ends = 0
+    for vertex in np.flatnonzero(~rim & (degree != 4)).tolist():
+        others = edges[(edges == vertex).any(axis=1)].sum(axis=1) - vertex
+        along = vertices[others] - vertices[vertex]
+        along = along / np.linalg.norm(along, axis=1, keepdims=True)
+        straight = np.arccos(np.clip(along @ along.T, -1.0, 1.0)).max(initial=0.0) >= STRAIGHT
+        ends += len(others) < 3 or (len(others) == 3 and bool(straight))
+    return ends
 
 
 def axis_lines(quads: PlaneQuads) -> FloatArray:
