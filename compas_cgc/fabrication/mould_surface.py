@@ -90,10 +90,11 @@ class Surface(NamedTuple):
         return bend * along[..., :, None] * along[..., None, :] + self.K / bend * across[..., :, None] * across[..., None, :]
 
     def _half_plane(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return coordinates of points in the upper half plane, in which the pseudosphere is ``y >= 1``."""
+        """Return coordinates of points in the upper half plane, in which the pseudosphere is ``y >= 1``; y is NaN beyond its edge."""
         root = math.sqrt(-self.K)
         below = points[:, 0] - root * points[:, 1]
-        return -self.depth * root * points[:, 2] / below, self.depth / below
+        y = self.depth / below
+        return -self.depth * root * points[:, 2] / below, np.where(y >= 1.0, y, np.nan)
 
 
 MouldSurface = Union[Surface, RevolvedMould]

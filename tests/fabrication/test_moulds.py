@@ -387,3 +387,15 @@ def test_a_crumpled_surface_is_refused(roof):
 
 def test_bending_stress_of_a_plate():
     assert bending_stress(MATERIALS["glass"], 0.006, 0.023) == pytest.approx(5.1e6, rel=0.01)
+
+
+def test_points_beyond_the_edge_of_a_pseudosphere_are_not_numbers():
+    surface = surface_for(-1.0, 0.5)
+    angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    points = on_form(np.concatenate([radius * np.column_stack([np.cos(angles), np.sin(angles)]) for radius in (0.4, 2.0)]), -1.0)
+    with np.errstate(all="raise"):
+        places, bends = surface.places(points), surface.principal(points)
+    beyond = np.isnan(places).all(axis=1)
+    assert not beyond[:24].any() and beyond[24:].any() and not beyond[24:].all()
+    assert np.isfinite(places[~beyond]).all() and np.array_equal(np.isnan(bends).all(axis=1), beyond)
+    assert bends[~beyond].prod(axis=1) == pytest.approx(-1.0)
