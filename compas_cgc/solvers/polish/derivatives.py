@@ -57,7 +57,7 @@ def moves_by_constants(
         here, multipliers = step.state, step.multipliers
         if step.settled or step.number == STEPS:
             break
-    model, saddle = own.model(here, multipliers), Saddle(places(own))
+    model, saddle = own.model(here, multipliers), Saddle(places(own), own.border)
     saddle.factorise(own.pattern.matrix(model, model.hessian, 0.0, regularisation(own)))
     averages = own.mesh.averages(here.operators)
     found = {}

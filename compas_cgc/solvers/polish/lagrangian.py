@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from functools import cached_property
 from typing import NamedTuple
 from typing import Optional
 
@@ -25,6 +26,9 @@ from ...model.laws import ConstantCurvature
 from ...model.laws import Piecewise
 from ._assembly import add_cells
 from ._assembly import slots
+from .turns import Turns
+from .turns import free_turns
+from .turns import no_turns
 
 __all__ = ["Lagrangian", "Model", "State"]
 
@@ -114,6 +118,18 @@ class Lagrangian:
         """Number of free unknowns."""
         return len(self.free)
 
+    @cached_property
+    def turns(self) -> Turns:
+        """Moves by which supports leave a plan free to turn; none where the shape of the drawing is kept."""
+        mesh, free = self.mesh, self._posed[0]
+        return free_turns(self.drawing, mesh.faces, mesh.directions[0], free) if self.has_plan else no_turns(len(free))
+
+    @property
+    def border(self) -> FloatArray:
+        """Conditions (q + r, k) that surfaces are not turned, on the free unknowns and the multipliers."""
+        conditions = self.turns.conditions[self.free[: self.moves]]
+        return np.pad(conditions, ((0, self.size + len(self.rows) - self.moves), (0, 0)))
+
     @property
     def held(self) -> IntArray:
         """Vertices that do not move."""
@@ -146,7 +162,7 @@ class Lagrangian:
         """Return the same with a drawing that is kept but for waves shorter than a length [L]."""
         other, n = copy.copy(self), len(self.drawing)
         areas = self.mesh.at(self.drawing, np.zeros(len(self.mesh.angles.ends))).areas
-        other.waves, other.kept = waves, np.zeros(self.mesh.unknowns)
+        other.waves, other.kept, other.turns = waves, np.zeros(self.mesh.unknowns), no_turns(n)
         other.kept[:n] = 2.0 / 3.0 * np.bincount(self.mesh.faces.ravel(), np.repeat(areas, 3), n) / waves**4
         return other
 
@@ -206,6 +222,12 @@ class Lagrangian:
     def folds(self, unknowns: FloatArray) -> FloatArray:
         """Return the folds of the crease edges (c,) [rad]."""
         return np.asarray(unknowns[self._fold_columns] @ [1.0, -1.0])
+
+    def untilted(self, state: State) -> State:
+        """Return a state that is not turned against the drawing where supports leave it free to turn."""
+        n = len(self.drawing)
+        moves = self.turns.taken_out(state.unknowns[:n])
+        return state if np.array_equal(moves, state.unknowns[:n]) else self.at(np.concatenate([moves, state.unknowns[n:]]))
 
     def moved(self, state: State, step: FloatArray) -> State:
         """Return the state after a step of the free unknowns (q,)."""

@@ -70,7 +70,7 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
     Nocedal and Wright, *Numerical Optimization*, chapter 18, doi:10.1007/978-0-387-40065-5. Waechter and Biegler,
     doi:10.1007/s10107-004-0559-y.
     """
-    saddle, here = Saddle(points), start
+    saddle, here = Saddle(points, lagrangian.border), lagrangian.untilted(start)
     multipliers, weight, share, shift, number = np.zeros(len(lagrangian.rows)), 0.0, EXACT, 0.0, 0
     below = regularisation(lagrangian)
     while True:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from scipy import sparse
 
 from ...discrete.arrays import FloatArray
@@ -23,13 +24,15 @@ class Saddle:
     ----------
     points
         ``(s, d)`` places of the unknowns.
+    border
+        ``(s, k)`` with k small: products with solutions are zero. They are dense, and are eliminated after the factors are known.
     """
 
-    def __init__(self, points: FloatArray):
-        self._factors = Multifrontal(points, refine=False)
+    def __init__(self, points: FloatArray, border: FloatArray):
+        self._factors, self._border = Multifrontal(points, refine=False), border
 
     def factorise(self, matrix: sparse.csr_matrix) -> int:
-        """Take a matrix in, and return the number of its negative eigenvalues.
+        """Take a matrix in, and return the number of its negative eigenvalues among vectors whose products with the border are zero.
 
         Raises
         ------
@@ -38,12 +41,25 @@ class Saddle:
         """
         self._matrix = matrix
         spend(rights(FACTORS, matrix.shape[0]))
-        return self._factors.factorise(matrix).negative
+        negative, conditions = self._factors.factorise(matrix).negative, self._border.shape[1]
+        if not conditions:
+            return negative
+        self._responses = self._refined(self._border)
+        self._met = self._border.T @ self._responses
+        return negative + int((np.linalg.eigvalsh(self._met + self._met.T) > 0.0).sum()) - conditions
 
     def roughly(self, right: FloatArray) -> FloatArray:
         """Return the solution for a right side (s,) without refinement."""
-        return self._factors.solve(right)
+        return self._bordered(self._factors.solve(right))
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for a right side (s,)."""
+        return self._bordered(self._refined(right))
+
+    def _refined(self, right: FloatArray) -> FloatArray:
         return refined(self._matrix, self._factors.solve, right, PRECISE, REFINEMENTS)[0]
+
+    def _bordered(self, solution: FloatArray) -> FloatArray:
+        if not self._border.shape[1]:
+            return solution
+        return np.asarray(solution - self._responses @ np.linalg.solve(self._met, self._border.T @ solution))

@@ -246,7 +246,8 @@ def bent_by_supports(lagrangian: Lagrangian, heights: FloatArray) -> FloatArray:
     moves[fixed] = lifted
     if np.abs(lifted).max(initial=0.0) > 0.0:
         moves[free] = factorise(_firm(stiffness[free][:, free]), symmetric=True).solve(-(stiffness[free][:, fixed] @ lifted))
-    moves[: len(V)] += level
+    # Turns of the plate, which bend nothing, are those that rounding leaves.
+    moves[: len(V)] = lagrangian.turns.taken_out(moves[: len(V)]) + level
     return moves
 
 

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import sparse
 from scipy.spatial import Delaunay
 
 from compas_cgc import CGCMesh
 from compas_cgc import sensitivity
 from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete import vertex_areas
 from compas_cgc.discrete.measured_curvature import measured_curvature
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.polisher import polish
 from compas_cgc.solvers.polish.posed import posed
+from compas_cgc.solvers.polish.saddle import Saddle
 from compas_cgc.solvers.polish.settings import PolishSettings
 from compas_cgc.solvers.polish.starts import starts
 
@@ -49,6 +52,11 @@ def _on_corners(n: int, K: float, lift: float = 0.0, **how) -> CGCProblem:
     x, y = V[:, 0], V[:, 1]
     V[:, 2] = lift * (x + y - 2 * x * y)
     return CGCProblem(V, F, creases=creases).with_supports("corners").with_targets(K)
+
+
+def _on_a_wall(n: int, K: float, jitter: float = 0.0) -> CGCProblem:
+    V, F, _ = _square(n, jitter)
+    return CGCProblem(V, F).with_supports(np.flatnonzero(V[:, 0] < 1e-9).tolist()).with_targets(K)
 
 
 def _middle(vertices) -> float:
@@ -108,6 +116,37 @@ def test_nine_regions_are_of_second_order():
     order, heights = _order([_on_corners(n, 1.0, lines=(1 / 3, 2 / 3)) for n in (6, 12, 24)])
     assert order > 1.8
     assert heights[1] == pytest.approx(heights[2], rel=5e-3)
+
+
+def test_a_canopy_on_a_wall_is_as_high_on_random_triangles():
+    """Bending hardly tells how far the roof turns about the wall."""
+    plain, irregular = (_middle(polish(_on_a_wall(16, 0.5, jitter=jitter)).vertices) for jitter in (0.0, 0.3))
+    assert irregular == pytest.approx(plain, rel=0.02)
+
+
+@pytest.mark.parametrize("K", [1e-6, 0.05])
+def test_a_canopy_of_little_curvature_is_near_the_drawing_and_not_turned_against_it(K):
+    drawing = _on_a_wall(12, K)
+    V = polish(drawing).vertices
+    assert np.abs(V[:, 2]).max() < 0.25 * np.sqrt(K)
+    areas, x = vertex_areas(drawing.vertices, drawing.faces, "barycentric"), drawing.vertices[:, 0]
+    assert abs(areas * V[:, 2] @ (x - 0.5)) < 1e-12
+    raised = drawing.vertices + np.outer(0.5 * x, [0, 0, 1])
+    assert polish(drawing.with_vertices(raised)).vertices[:, 2] @ areas > 0.2
+
+
+def test_solutions_of_bordered_matrices_and_their_inertia():
+    rng = np.random.default_rng(3)
+    points = rng.uniform(0, 1, (60, 2))
+    near = np.hypot(*(points[:, None] - points).T) < 0.3
+    A = near * rng.standard_normal((60, 60))
+    A, B, right = A + A.T, rng.standard_normal((60, 2)), rng.standard_normal(60)
+    saddle = Saddle(points, B)
+    negative = saddle.factorise(sparse.csr_matrix(A))
+    whole = np.block([[A, B], [B.T, np.zeros((2, 2))]])
+    assert negative == (np.linalg.eigvalsh(whole) < 0).sum() - 2
+    expected = np.linalg.solve(whole, np.append(right, [0.0, 0.0]))[:60]
+    assert np.abs(saddle.solve(right) - expected).max() < 1e-9 * np.abs(expected).max()
 
 
 def test_saddles_over_lifted_corners_do_not_depend_on_the_triangles():
