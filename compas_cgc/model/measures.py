@@ -9,17 +9,29 @@ from ..discrete import gaussian_curvature
 from ..discrete import vertex_areas
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
+from ..discrete.corners import corner_angles
 from ..discrete.measured_curvature import MeasuredCurvature
 from ..discrete.measured_curvature import measured_curvature as mid_edge_curvature
 from ..discrete.smooth_measure import layout_errors
 from ..discrete.space_form import EXACT
 from ..discrete.space_form import space_form_angle_sums
+from ..meshing import boundary_loops
 from ..meshing.flat_corners import turned_corners
+from .inward_edges import MIN_CORNER
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 
-__all__ = ["MID_EDGE", "has_free_edges", "is_held_all_round", "measure_of", "measured_curvature", "measured_mean_curvature", "read_across"]
+__all__ = [
+    "MID_EDGE",
+    "has_free_edges",
+    "inward_supports",
+    "is_held_all_round",
+    "measure_of",
+    "measured_curvature",
+    "measured_mean_curvature",
+    "read_across",
+]
 
 MID_EDGE = "mid-edge"
 
@@ -88,6 +100,17 @@ def read_across(problem: CGCProblem) -> IntArray:
 def has_free_edges(problem: CGCProblem) -> bool:
     """Return whether some vertex of the rim is not fixed."""
     return bool((problem.roles[boundary_vertices(problem.vertices, problem.faces)] != FIXED).any())
+
+
+def inward_supports(problem: CGCProblem) -> list[int]:
+    """Return the supports at reentrant corners between free edges, which a surface of K > 0 can rarely pass."""
+    angles = np.bincount(problem.faces.ravel(), corner_angles(problem.vertices, problem.faces).ravel(), len(problem.vertices))
+    held = problem.roles == FIXED
+    found = []
+    for loop in boundary_loops(problem.faces):
+        alone = held[loop] & ~held[np.roll(loop, 1)] & ~held[np.roll(loop, -1)]
+        found += loop[alone & (angles[loop] > np.pi + MIN_CORNER)].tolist()
+    return sorted(found)
 
 
 def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:

@@ -15,6 +15,7 @@ from ...errors import HALF
 from ...errors import HALVED
 from ...errors import Remedy
 from ...model.measures import has_free_edges
+from ...model.measures import inward_supports
 from ...model.problem import CGCProblem
 
 __all__ = ["CHANGE", "REMEDIES", "TEXTS", "remedies_in", "remedies_of"]
@@ -58,7 +59,7 @@ TEXTS: dict[str, Callable[[Any], str]] = {
     "settings": lambda settings: f"Allow {settings['steps']} steps",
     "method": "Use the method {}".format,
     "supports": lambda _: "Support the whole edge",
-    "release": lambda vertices: f"Free vertex {vertices[0]}",
+    "release": lambda vertices: f"Free {'vertex' if len(vertices) == 1 else 'vertices'} {', '.join(map(str, vertices))}",
     "targets": "Set K = {:g}".format,
     "scale": lambda factor: {HALF: "Halve K", -1.0: "Reverse the sign of K"}.get(factor, f"Reduce K to {100.0 * factor:.2g} %"),
     "limit": lambda _: "Set the largest feasible K",
@@ -98,6 +99,8 @@ def _usual(problem: CGCProblem, known: bool) -> Iterator[Remedy]:
     if np.isfinite(targets).all() and targets.any() and not known:
         yield Remedy("limit", True)
         yield HALVED
+    if (targets > 0.0).all() and (inward := inward_supports(problem)):
+        yield Remedy("release", inward)
     if has_free_edges(problem):
         yield Remedy("supports", "boundary")
     yield FINER

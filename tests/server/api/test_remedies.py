@@ -17,6 +17,8 @@ from compas_cgc.errors import sentence_of
 from compas_cgc.model.constraints import Height
 from compas_cgc.model.goals.inequalities import Above
 from compas_cgc.model.goals.wholes import Rise
+from compas_cgc.model.measures import inward_supports
+from compas_cgc.model.roles import FIXED
 from compas_cgc.server import create_app
 from compas_cgc.server.api.remedies import CHANGE
 from compas_cgc.server.api.remedies import TEXTS
@@ -101,6 +103,21 @@ def test_a_saddle_within_a_flat_edge_becomes_a_dome():
     assert {"scale": -1.0} in found and {"limit": True} not in found and {"scale": 0.5} not in found
     assert solve(problem.with_targets(-problem.targets)).verdict.fair
     assert remedies_in(check(square(-0.01, "corners"))) == []
+
+
+def test_a_support_at_an_inward_corner_is_freed():
+    mesh = CGCMesh.from_outline([[0, 0], [10, 0], [10, 5], [5, 5], [5, 9], [0, 9]], edge_length=1.2)
+    mesh.set_supports("corners")
+    mesh.set_target(0.02)
+    problem = mesh.to_problem()
+    (inner,) = np.flatnonzero((np.abs(problem.vertices[:, :2] - 5.0) < 1e-9).all(axis=1)).tolist()
+    assert problem.roles[inner] == FIXED
+    began = solve(problem, method="newton", settings={"steps": 1})
+    (change,) = [own for own in changes(remedies_of(problem, began)) if "release" in own]
+    assert change == {"release": [inner]}
+    freed = problem.with_supports([vertex for vertex in np.flatnonzero(problem.roles == FIXED).tolist() if vertex != inner])
+    assert solve(freed).verdict.fair and inward_supports(freed) == []
+    assert not any("release" in own for own in changes(remedies_of(problem.with_targets(-0.02), began)))
 
 
 def test_goals_that_contradict_supports_are_freed_or_removed():
