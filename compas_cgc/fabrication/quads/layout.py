@@ -53,6 +53,7 @@ SMOOTHING = (
     2.4,
 )  # of the spacing, over which directions are averaged, until singularities are far enough apart and no line ends inside
 FINENESS = 0.25  # of the spacing, below which the edges of the mesh are divided
+FLATNESS = 1e-3  # of the spacing, gap between diagonals below which faces count as plane
 MAX_DIVISIONS = 3
 SHORTEST = 0.25  # of the spacing, side at the rim below which lines share a vertex of the rim
 UMBILIC_RATIO = 1e-3  # half difference of the principal curvatures times the size below which a region counts as a sphere or plane
@@ -159,15 +160,17 @@ def _laid_out(vertices: Vertices, faces: Faces, K: Optional[float], spacing: flo
         density, typical = np.ones(len(triangles)), K
         sides = [side for loop, own in zip(loops, turns) for side in _sides(loop, own)]
     # Directions vary much near point supports and corners of held rims, which adds singularities where lines would end.
-    tried = list[tuple[int, _Layout]]()
+    tried = list[tuple[tuple[bool, int, float], _Layout]]()
     for length in SMOOTHING:
         field = cross_field(fine, triangles, S, typical, length * spacing)
         found = extracted(fine, triangles, parametrised(fine, triangles, field, spacing, sides, density), spacing, kinks)
         if found.faces and all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
             own = _Layout(found, (V, F), (fine, triangles), loops)
             plane = _finished(own, spacing)[0]
-            tried.append((dead_ends(plane.vertices, polygon_edges(plane.faces), plane.rim), own))
-            if not tried[-1][0]:
+            ends, gap = dead_ends(plane.vertices, polygon_edges(plane.faces), plane.rim), gaps(plane.vertices, plane.faces).max()
+            warped = bool(gap > FLATNESS * spacing)
+            tried.append(((warped, ends, float(gap)), own))
+            if not warped and ends == 0:
                 break
     if not tried:
         raise CGCError(f"singularities of region {region} lie too close together for lines {spacing:.3g} apart; use a smaller spacing")
