@@ -16,7 +16,7 @@ from .arrays import IntArray
 from .arrays import Vectors
 from .arrays import Vertices
 
-__all__ = ["PARTS", "expanded"]
+__all__ = ["expanded"]
 
 
 def _parts(own: Expressions) -> list[int]:
@@ -43,7 +43,6 @@ def _parts(own: Expressions) -> list[int]:
 
 _expressions = Expressions()
 _outputs = np.array(_parts(_expressions))
-PARTS = len(_outputs)
 
 
 def expanded(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, orders: int) -> FloatArray:
@@ -51,7 +50,7 @@ def expanded(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, ord
 
     Three angles of references, three tensors of six entries, and the area, up to first derivatives for 4 orders, up to second ones for 10.
     """
-    out = np.empty((len(F), PARTS, orders))
+    out = np.empty((len(F), len(_outputs), orders))
     work = np.zeros((_expressions.rows + 1, SECOND, BLOCK))
     _expand(V, F, U, R, index, _expressions.operations, PAIRS, _outputs, work, out)
     return out

@@ -74,7 +74,7 @@ class Expressions:
         return self._added(INVERSE, a, a)
 
     def angle(self, tangent: int, x: int) -> int:
-        """Return the angle from the direction x > 0 whose tangent is y / x."""
+        """Return the angle of the point (x, x tangent) in the plane."""
         return self._added(ANGLE, tangent, x)
 
     def _added(self, kind: int, a: int, b: int) -> int:

@@ -11,8 +11,9 @@ from ..discrete.arrays import FloatArray
 from ..model.problem import UNIT_SYMBOLS
 from .materials import METRES
 
-__all__ = ["in_mm", "in_square_metres", "metres", "on_most_of_the_area", "unit_symbol"]
+__all__ = ["SHORT", "in_mm", "in_square_metres", "metres", "on_most_of_the_area", "unit_symbol"]
 
+SHORT = 0.1  # length of seams and beams below which they are named [m]
 AREA_SHARE = 0.95  # on which a figure is stated; curvature and stress are unbounded at point supports
 
 

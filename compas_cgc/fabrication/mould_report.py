@@ -16,6 +16,7 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
 from .development import Development
+from .figures import SHORT
 from .figures import on_most_of_the_area
 from .fitting import Fit
 from .flattening import LONG_ASPECT
@@ -32,11 +33,10 @@ from .panelling import Panel
 from .pieces import best_box
 from .revolved_mould import RevolvedMould
 
-__all__ = ["SHORT_SEAM", "Mould", "MouldReport", "PanelFit"]
+__all__ = ["Mould", "MouldReport", "PanelFit"]
 
 MAX_NAMED = 20  # panels that would break, named in the text
 K_MEANING = "K: Gaussian curvature, the product of the two principal curvatures; 1/R² on a sphere of radius R, negative on a saddle"
-SHORT_SEAM = 0.1  # length of seams below which they are named [m]
 
 
 @dataclass(frozen=True)
@@ -254,9 +254,9 @@ class MouldReport:
         ]
 
     def _short(self) -> list[str]:
-        short = [own for own in self.seams if own.length * self.unit < SHORT_SEAM]
+        short = [own for own in self.seams if own.length * self.unit < SHORT]
         names = [f"{'/'.join(own.panels)} ({1e3 * self.unit * own.length:.0f} mm)" for own in short]
-        return [f"seams shorter than {1e3 * SHORT_SEAM:g} mm: {', '.join(names)}"] if names else []
+        return [f"seams shorter than {1e3 * SHORT:g} mm: {', '.join(names)}"] if names else []
 
     def _lines(self, mould: Mould) -> list[str]:
         own = [fit for fit in self.panels if fit.mould == mould.number]

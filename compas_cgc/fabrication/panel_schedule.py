@@ -12,8 +12,8 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
+from .figures import SHORT
 from .mould_report import K_MEANING
-from .mould_report import SHORT_SEAM
 from .mould_report import MouldReport
 from .mould_report import PanelFit
 from .pieces import best_box
@@ -96,7 +96,7 @@ class PanelSheet(NamedTuple):
     def remarks(self) -> list[str]:
         """Sentences on a largest stress without a limit, and on short seams."""
         found = [STRESS_WITHOUT_LIMIT] if self.fit.singular and self.fit.stress is not None else []
-        short = [side for side in self.sides if side.neighbour != EDGE and side.length < 1e3 * SHORT_SEAM]
+        short = [side for side in self.sides if side.neighbour != EDGE and side.length < 1e3 * SHORT]
         return found + [f"short seam with {side.neighbour}: {side.length:.1f} mm" for side in short]
 
 

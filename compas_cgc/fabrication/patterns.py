@@ -16,6 +16,7 @@ from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from ..model.problem import CGCProblem
 from .allowance import widened
+from .figures import SHORT
 from .figures import in_mm
 from .figures import in_square_metres
 from .figures import metres
@@ -162,13 +163,13 @@ class Patterns:
         free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.strip, "around pieces")]
         lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
         lines.append(f"largest length difference between the sides of a seam: {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
-        short = [seam for seam in self.seams if seam.length < 0.1 / metres(units)]
+        short = [seam for seam in self.seams if seam.length < SHORT / metres(units)]
         if short:
             named = ", ".join(
                 f"seam {seam.number} of {' and '.join(self.pieces[k].label for k in seam.pieces)} ({in_mm([seam.length], units)})"
                 for seam in short
             )
-            lines.append(f"seams shorter than 100 mm: {named}")
+            lines.append(f"seams shorter than {1e3 * SHORT:g} mm: {named}")
         lines += remarks(self)
         for own in self.unrollings:
             if own.unrolled:

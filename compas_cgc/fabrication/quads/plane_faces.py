@@ -11,12 +11,12 @@ from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
 from ...discrete.arrays import Vectors
 from ...model.problem import CGCProblem
+from ..figures import SHORT
 from ..materials import metres_per_unit
 
 __all__ = ["PlaneQuads", "axis_lines", "dead_ends"]
 
 STRAIGHT = np.deg2rad(150.0)  # angle at a vertex with three sides from which one of them is a line that ends there
-SHORT = 100.0  # mm, beams below which are named
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,9 +130,9 @@ class PlaneQuads:
         """Return a sentence that names the beams below 100 mm with their lengths, the shortest first, empty without any."""
         ends = self.vertices[self.edges]
         lengths = 1e3 * metres_per_unit(self.problem.drawing.units) * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        short = np.flatnonzero(lengths < SHORT)
+        short = np.flatnonzero(lengths < 1e3 * SHORT)
         named = ", ".join(f"B{k} ({lengths[k]:.0f} mm)" for k in short[np.argsort(lengths[short], kind="stable")].tolist())
-        return f"beams shorter than {SHORT:g} mm: {named}" if len(short) else ""
+        return f"beams shorter than {1e3 * SHORT:g} mm: {named}" if len(short) else ""
 
 
 def dead_ends(vertices: Vectors, edges: IntArray, rim: Mask) -> int:
