@@ -14,7 +14,7 @@ from ..model.checks import turns_about
 from ..model.goals.wholes import Unknown
 from ..model.laws import Law
 from ..model.lengths import length_text
-from ..model.problem import UNIT_SYMBOLS
+from ..model.lengths import unit_suffix
 from ..model.problem import CGCProblem
 from ..model.result import FAILED
 from ..model.roles import FIXED
@@ -55,7 +55,7 @@ def _heights(problem: CGCProblem) -> str:
     held = problem.roles == FIXED
     base = float(z[held].min()) if held.any() else 0.0
     low, high = (length_text(own - base, size) for own in (float(z.min()), float(z.max())))
-    unit = f" {UNIT_SYMBOLS[problem.drawing.units]}" if problem.drawing.units in UNIT_SYMBOLS else ""
+    unit = unit_suffix(problem.drawing.units)
     if low == high:
         return "level with its supports" if held.any() else f"level at z = {low}{unit}"
     return f"heights from {low} to {high}{unit}{' over the lowest support' if held.any() else ''}{_sunk(problem, size)}"

@@ -43,6 +43,7 @@ def _parts(own: Expressions) -> list[int]:
 
 _expressions = Expressions()
 _outputs = np.array(_parts(_expressions))
+_operations = _expressions.operations
 
 
 def expanded(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, orders: int) -> FloatArray:
@@ -52,7 +53,7 @@ def expanded(V: Vertices, F: Faces, U: Vectors, R: Vectors, index: IntArray, ord
     """
     out = np.empty((len(F), len(_outputs), orders))
     work = np.zeros((_expressions.rows + 1, SECOND, BLOCK))
-    _expand(V, F, U, R, index, _expressions.operations, PAIRS, _outputs, work, out)
+    _expand(V, F, U, R, index, _operations, PAIRS, _outputs, work, out)
     return out
 
 

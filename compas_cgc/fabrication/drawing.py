@@ -11,7 +11,19 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from .figures import metres
 
-__all__ = ["LAYERS", "LETTER_WIDTH", "Drawing", "Line", "Text", "clearance", "inside", "overlap", "roomiest", "text_box"]
+__all__ = [
+    "LAYERS",
+    "LETTER_WIDTH",
+    "Drawing",
+    "Line",
+    "Text",
+    "clearance",
+    "inside",
+    "overlap",
+    "roomiest",
+    "segment_distances",
+    "text_box",
+]
 
 # Layers with their RGB colours.
 LAYERS = {
@@ -74,13 +86,18 @@ def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArr
     centres = centres[:: max(1, len(centres) // MAX_PLACES)]
     start = np.concatenate(loops)
     end = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
-    along = end - start
-    from_start = centres[:, None] - start
-    share = np.einsum("pkj,kj->pk", from_start, along) / np.maximum(np.einsum("kj,kj->k", along, along), np.finfo(float).tiny)
-    away = np.linalg.norm(from_start - np.clip(share, 0.0, 1.0)[..., None] * along, axis=2).min(axis=1)
+    away = segment_distances(centres, np.stack([start, end], axis=1)).min(axis=1)
     off = np.linalg.norm(centres - 0.5 * (start.min(axis=0) + start.max(axis=0)), axis=1)
     best = int(np.argmin(np.where(away >= ROOM_RATIO * away.max(), off, np.inf)))
     return centres[best], float(away[best])
+
+
+def segment_distances(points: FloatArray, segments: FloatArray) -> FloatArray:
+    """Return the distances of points (p, 2) from segments (k, 2, 2): (p, k) [L]."""
+    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    from_start = points[:, None] - start
+    share = np.einsum("pkj,kj->pk", from_start, along) / np.maximum(np.einsum("kj,kj->k", along, along), np.finfo(float).tiny)
+    return np.linalg.norm(from_start - np.clip(share, 0.0, 1.0)[..., None] * along, axis=2)
 
 
 def inside(loops: Sequence[FloatArray]) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
-from ..model.problem import UNIT_SYMBOLS
+from ..model.lengths import UNIT_SYMBOLS
 from .materials import METRES
 
 __all__ = ["SHORT", "in_mm", "in_square_metres", "metres", "on_most_of_the_area", "unit_symbol"]

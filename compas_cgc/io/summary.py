@@ -11,9 +11,9 @@ from ..fabrication.flattening import widest_panel
 from ..meshing import Diagnostic
 from ..model.checks import check
 from ..model.lengths import place_text
+from ..model.lengths import unit_suffix
 from ..model.problem import CGCProblem
 from .reading import ReadProblem
-from .rhino.units import unit_suffix
 
 __all__ = ["describe"]
 

@@ -12,7 +12,7 @@ __all__ = ["arc_lengths", "nearest_on_polyline", "point_at", "points_along", "re
 
 
 def arc_lengths(polyline: FloatArray) -> FloatArray:
-    """Return the arc lengths of the points of a polyline (k, 3): (k,) [L]."""
+    """Return the arc lengths of the points of a polyline (k, d): (k,) [L]."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(polyline, axis=0), axis=1))])
 
 
@@ -89,9 +89,9 @@ def points_along(points: FloatArray, polyline: FloatArray, tolerance: float) -> 
 
 
 def point_at(polyline: FloatArray, position: FloatArray) -> FloatArray:
-    """Return the points at arc lengths (n,) [L] along a polyline (k, 3): (n, 3)."""
+    """Return the points at arc lengths (n,) [L] along a polyline (k, d): (n, d)."""
     at = arc_lengths(polyline)
-    return np.column_stack([np.interp(position, at, polyline[:, axis]) for axis in range(3)])
+    return np.column_stack([np.interp(position, at, coordinate) for coordinate in polyline.T])
 
 
 def resample(polyline: FloatArray, spacing: float) -> FloatArray:

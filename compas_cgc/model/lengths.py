@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
+from typing import Optional
 
 import numpy as np
 
 from ..discrete.arrays import FloatArray
 
-__all__ = ["length_text", "place_text"]
+__all__ = ["UNIT_SYMBOLS", "length_text", "place_text", "unit_suffix"]
+
+UNIT_SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
 
 ZERO_LENGTH = 1e-9  # length relative to the size of a model that is written as 0
 DIGITS = 4
+
+
+def unit_suffix(name: Optional[str]) -> str:
+    """Return the suffix of a length in a unit such as ``Millimeters``: `` mm``; empty for units without an abbreviation."""
+    return f" {UNIT_SYMBOLS[name]}" if name in UNIT_SYMBOLS else ""
 
 
 def length_text(value: float, size: float) -> str:

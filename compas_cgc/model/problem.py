@@ -67,9 +67,6 @@ class Names(NamedTuple):
     faces: IntArray  # (m,)
 
 
-UNIT_SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
-
-
 class Drawing(NamedTuple):
     """Metadata of the drawing that a mesh comes from."""
 

@@ -19,6 +19,8 @@ from .._figures import save_pages
 from ..discrete.arrays import FloatArray
 from ..fabrication.mould_report import K_MEANING
 from ..fabrication.panel_schedule import PanelSheet
+from ..meshing.polyline import arc_lengths
+from ..meshing.polyline import point_at
 from .colours import INK
 from .free_texts import LETTER
 from .free_texts import FreeTexts
@@ -169,8 +171,7 @@ def _draw_outline(axes: Any, own: PanelSheet, outline: FloatArray, scale: float)
 
 def _along(points: FloatArray, share: float) -> FloatArray:
     """Return the point of a polyline (k, 2) at a share of its length (2,)."""
-    at = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
-    return np.array([np.interp(share * at[-1], at, coordinate) for coordinate in points.T])
+    return point_at(points, share * arc_lengths(points)[-1:])[0]
 
 
 def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] = ()) -> Figure:

@@ -46,12 +46,8 @@ from .symmetry import symmetrised
 
 __all__ = ["plane_quads"]
 
-SMOOTHING = (
-    0.3,
-    0.6,
-    1.2,
-    2.4,
-)  # of the spacing, over which directions are averaged, until singularities are far enough apart and no line ends inside
+# Of the spacing, over which directions are averaged, until singularities are far enough apart and no line ends inside.
+SMOOTHING = (0.3, 0.6, 1.2, 2.4)
 FINENESS = 0.25  # of the spacing, below which the edges of the mesh are divided
 FLATNESS = 1e-3  # of the spacing, gap between diagonals below which faces count as plane
 MAX_DIVISIONS = 3

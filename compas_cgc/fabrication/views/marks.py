@@ -10,6 +10,8 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...meshing.polyline import arc_lengths
+from ...meshing.polyline import point_at
 from ..drawing import Line
 
 __all__ = ["GAP", "LAYERS", "TEXT_HEIGHT", "Label", "Style", "View", "arrow", "cut_for", "dimension", "height_mark", "letters", "outside"]
@@ -19,9 +21,9 @@ LETTER_WIDTH = 0.85  # relative to the height
 TICK = 1.5  # half length of the ticks of dimensions [mm]
 MARK_LENGTH = 6.0  # of a height mark [mm]
 GAP = 0.6  # between a line and a text in it [mm]
-# Places of texts on lines, from the middle towards the ends in turn.
 HEIGHTS = (0.8 * TEXT_HEIGHT, 0.6 * TEXT_HEIGHT, 0.48 * TEXT_HEIGHT)  # of the heights of contours
 SPINE = np.linspace(-1.0, 1.0, 5)  # points along a text at which its room is measured, relative to half its length
+# Places of texts on lines, from the middle towards the ends in turn.
 PLACES = np.repeat(np.linspace(0.0, 0.95, 20), 2)[1:] * np.tile([-1.0, 1.0], 20)[1:]
 
 
@@ -132,22 +134,18 @@ def cut_for(line: FloatArray, text: str, room: Callable[[FloatArray], float]) ->
         Returns the smallest distance of points ``(p, 2)`` from whatever the text must not touch [mm]. The place nearest to the middle with
         enough room is taken, at the largest of several heights; without any, the line is whole and has no text.
     """
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    length = arc_lengths(line)
     whole = float(length[-1])
-
-    def at(s: FloatArray) -> FloatArray:
-        return np.column_stack([np.interp(s, length, line[:, axis]) for axis in (0, 1)])
-
     for height in HEIGHTS:
         spine = 0.5 * letters(text, height) * SPINE
         half = float(spine[-1]) + GAP
         within = [s for s in whole * (0.5 + 0.5 * PLACES) if half < s < whole - half]
-        middle = next((s for s in within if room(at(s + spine)) > 0.5 * height + GAP), None)
+        middle = next((s for s in within if room(point_at(line, s + spine)) > 0.5 * height + GAP), None)
         if middle is not None:
             break
     else:
         return [line], None
-    (before, after), ends = middle + half * SPINE[[0, -1]], at(middle + half * SPINE[[0, -1]])
+    (before, after), ends = middle + half * SPINE[[0, -1]], point_at(line, middle + half * SPINE[[0, -1]])
     parts = [np.vstack([line[length < before], ends[:1]]), np.vstack([ends[1:], line[length > after]])]
     chord = ends[1] - ends[0]
     angle = upright(float(np.degrees(np.arctan2(chord[1], chord[0]))))

@@ -17,6 +17,7 @@ from ...meshing import crease_paths
 from ...meshing.visibility import in_sight
 from ...model.problem import CGCProblem
 from ..drawing import Line
+from ..drawing import segment_distances
 from ..figures import metres
 from .level_lines import level_lines
 from .marks import GAP
@@ -157,9 +158,7 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
     labels = region_labels(shape, put(shape.vertices), edges)
     boxes = [own.box for own in labels]
     labels += support_heights(shape, put(shape.vertices), [*labels, arrow_room])
-
     edges = np.concatenate([edges, np.array(ends).reshape(-1, 2, 2)])
-
     contours = [
         (level, put(line))
         for level in shape.levels(interval)
@@ -177,7 +176,7 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
         turned = np.array([own.place for own in labels if own.angle]).reshape(-1, 2)
         half = np.array([0.5 * letters(own.text, own.height) for own in labels if own.angle])
         distances = (
-            _distances(at, segments[near]),
+            segment_distances(at, segments[near]),
             np.linalg.norm(level, axis=2) + GAP,
             np.linalg.norm(at[:, None] - turned, axis=2) - half,
         )
@@ -215,14 +214,6 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
 def _segments(lines: Sequence[FloatArray]) -> FloatArray:
     """Return the segments of polylines (k, 2, 2)."""
     return np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
-
-
-def _distances(at: FloatArray, segments: FloatArray) -> FloatArray:
-    """Return the distances of points (p, 2) from segments (k, 2, 2), (p, k)."""
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    away = at[:, None] - start
-    share = np.einsum("pkj,kj->pk", away, along) / np.maximum(np.einsum("kj,kj->k", along, along), np.finfo(float).tiny)
-    return np.linalg.norm(away - np.clip(share, 0.0, 1.0)[..., None] * along, axis=2)
 
 
 def _height(level: float, interval: float) -> str:

@@ -13,12 +13,12 @@ import numpy as np
 from ...errors import FileError
 from ...errors import MeshError
 from ...meshing.cleanup import Omission
+from ...model.lengths import unit_suffix
 from ..reading import ReadProblem
 from ..rhino.assemble import assemble
 from ..rhino.outlines import outlined
 from ..rhino.sketch import Drawn
 from ..rhino.sketch import Part
-from ..rhino.units import unit_suffix
 from .dxf import read_dxf_plan
 from .plan import Plan
 from .plan import left_outside

@@ -14,6 +14,7 @@ from ...meshing import Diagnostic
 from ...meshing import path_edges
 from ...model.constraints import Constraint
 from ...model.laws import Law
+from ...model.lengths import unit_suffix
 from ...model.problem import CGCProblem
 from ...model.problem import Drawing
 from ..reading import ReadProblem
@@ -27,7 +28,6 @@ from .snapping import find_constraints
 from .snapping import find_supports
 from .snapping import snap_distance
 from .targets import find_laws
-from .units import unit_suffix
 from .user_text import GOALS_KEY
 from .user_text import text_constraints
 from .user_text import vertex_values

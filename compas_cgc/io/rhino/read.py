@@ -11,6 +11,7 @@ from typing import Union
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ...errors import names_what_was_meant
+from ...model.lengths import unit_suffix
 from ..reading import ReadProblem
 from .archive import Item
 from .archive import list_items
@@ -29,7 +30,6 @@ from .surfaces import MeshedSurface
 from .surfaces import default_edge_length
 from .surfaces import surface_part
 from .units import unit_name
-from .units import unit_suffix
 from .user_text import user_law
 from .user_text import user_number
 

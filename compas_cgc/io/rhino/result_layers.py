@@ -16,6 +16,7 @@ from ...analysis import SurfaceReport
 from ...analysis import analyse
 from ...discrete.arrays import FloatArray
 from ...errors import names_what_was_meant
+from ...model.lengths import unit_suffix
 from ...model.measures import measured_curvature
 from ...model.problem import CGCProblem
 from .archive import read_archive
@@ -29,7 +30,6 @@ from .meshes import mesh_from_arrays
 from .nurbs_layer import NURBS
 from .nurbs_layer import draw_nurbs
 from .units import unit_name
-from .units import unit_suffix
 from .write import LayerWriter
 from .write import draw_problem
 from .write import new_archive

@@ -24,6 +24,7 @@ from ...discrete.arrays import IntArray
 from ...errors import FileError
 from ...errors import MeshError
 from ...model.laws import as_law
+from ...model.lengths import unit_suffix
 from ..reading import ReadProblem
 from .archive import Item
 from .archive import rhino3dm_module
@@ -36,7 +37,6 @@ from .surfaces import MeshedSurface
 from .surfaces import default_edge_length
 from .surfaces import rounded_length
 from .surfaces import surface_part
-from .units import unit_suffix
 
 if TYPE_CHECKING:
     import Rhino

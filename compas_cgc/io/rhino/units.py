@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from ...errors import FileError
-from ...model.problem import UNIT_SYMBOLS
 from ._types import UnitSystem
 from .archive import rhino3dm_module
 
-__all__ = ["unit_name", "unit_suffix", "unit_system"]
+__all__ = ["unit_name", "unit_system"]
 
 
 def unit_name(system: UnitSystem) -> str:
@@ -29,8 +28,3 @@ def unit_system(name: str) -> UnitSystem:
     if not isinstance(system, rhino3dm.UnitSystem):
         raise FileError(f"unknown unit {name!r}; use a unit of Rhino such as Millimeters, Meters or Feet")
     return system
-
-
-def unit_suffix(name: str) -> str:
-    """Return the suffix of a length in messages, such as `` mm``; empty for units without an abbreviation."""
-    return f" {UNIT_SYMBOLS[name]}" if name in UNIT_SYMBOLS else ""

@@ -14,9 +14,9 @@ import numpy as np
 from ...discrete import face_areas
 from ...errors import FileError
 from ...io.plans.plan import plan_data
-from ...io.rhino.units import unit_suffix
 from ...model.checks import check
 from ...model.constraint_data import constraint_data
+from ...model.lengths import unit_suffix
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ...model.roles import CREASE
@@ -125,7 +125,7 @@ def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
     laws = {str(region): str(law) for region, law in problem.laws.items()}
     return {
         "name": name or own.drawing.name,
-        "unit": unit_suffix(own.drawing.units or "").strip(),
+        "unit": unit_suffix(own.drawing.units).strip(),
         "vertices": problem.vertices.tolist(),
         "faces": problem.faces.tolist(),
         "roles": [ROLES[role] for role in problem.roles.tolist()],

@@ -11,8 +11,8 @@ from compas_cgc.errors import FileError
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino import write_result
 from compas_cgc.io.rhino.units import unit_name
-from compas_cgc.io.rhino.units import unit_suffix
 from compas_cgc.io.rhino.units import unit_system
+from compas_cgc.model.lengths import unit_suffix
 
 from ...support.rhino_models import Sketch
 from ...support.rhino_models import corners_of

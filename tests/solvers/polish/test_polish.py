@@ -119,7 +119,7 @@ def test_nine_regions_are_of_second_order():
 
 
 def test_a_canopy_on_a_wall_is_as_high_on_random_triangles():
-    """Bending hardly tells how far the roof turns about the wall."""
+    """The bending energy hardly depends on how far the roof is turned about the wall."""
     plain, irregular = (_middle(polish(_on_a_wall(16, 0.5, jitter=jitter)).vertices) for jitter in (0.0, 0.3))
     assert irregular == pytest.approx(plain, rel=0.02)
 
