@@ -21,8 +21,8 @@ from ..fabrication.shell.edges import region_edges
 from ..fabrication.shell.panels import panel_pieces
 from ..fabrication.shell.regions import region_surfaces
 from ..model.problem import CGCProblem
+from .occt import opencascade
 from .opencascade import MILLIMETRES
-from .opencascade import opencascade
 from .opencascade import shell_of
 from .opencascade import step_content
 from .opencascade import trimmed_face

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import re
 import tempfile
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Any
@@ -22,34 +21,21 @@ from ..fabrication.shell.edges import loops_of
 from ..fabrication.shell.fit import Fit
 from ..fabrication.shell.fit import Piece
 from ..fabrication.shell.heights import DEGREE
+from .occt import FACE
+from .occt import opencascade
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["EDGE", "FACE", "MILLIMETRES", "opencascade", "shell_of", "step_content", "trimmed_face", "untrimmed_face"]
+__all__ = ["MILLIMETRES", "shell_of", "step_content", "trimmed_face", "untrimmed_face"]
 
 CURVE_DEGREE = 3
 MILLIMETRES = {"Millimeters": 1.0, "Centimeters": 10.0, "Meters": 1e3, "Kilometers": 1e6, "Inches": 25.4, "Feet": 304.8, "Yards": 914.4}
-FACE, EDGE = 4, 6
 TIME_STAMP = re.compile(r"'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[^']*'")
 COUNTER = re.compile(r"PRODUCT\('(.*) [\d.]+',\s*'\1 [\d.]+',")
 OCCURRENCE = re.compile(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('\d+'")
 CONSTANT_TIME = "'1980-01-01T00:00:00'"
 UNNAMED = "ADVANCED_FACE('',"
-
-
-def opencascade() -> Any:
-    """Return the interface to OpenCASCADE.
-
-    Raises
-    ------
-    FileError
-        If the package is not installed.
-    """
-    try:
-        return import_module("compas_occt._occt")
-    except ImportError:
-        raise FileError("STEP files require the package compas_occt; install it with: pip install 'compas_cgc[cad]'") from None
 
 
 def step_content(shape: Any, name: str, faces: Optional[list[str]] = None) -> bytes:

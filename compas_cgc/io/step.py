@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..fabrication.shell.regions import region_surfaces
 from ..model.problem import CGCProblem
+from .occt import opencascade
 from .opencascade import MILLIMETRES
-from .opencascade import opencascade
 from .opencascade import shell_of
 from .opencascade import step_content
 
