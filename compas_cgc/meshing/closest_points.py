@@ -6,12 +6,12 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 
-__all__ = ["nearest_on_polyline"]
+__all__ = ["feet_on_polyline"]
 
 MAX_PAIRS = 500_000  # point-segment pairs per block
 
 
-def nearest_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool = False) -> tuple[FloatArray, FloatArray]:
+def feet_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool = False) -> tuple[FloatArray, FloatArray]:
     """Return the nearest points of a polyline and its tangents there.
 
     Parameters

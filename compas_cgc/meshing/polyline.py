@@ -10,6 +10,10 @@ from ..discrete.arrays import IntArray
 
 __all__ = ["arc_lengths", "nearest_on_polyline", "point_at", "points_along", "resample", "resample_all"]
 
+MAX_PAIRS = 2_000_000  # of points and segments of which all distances are computed
+BLOCK = 1000  # points whose neighbours are searched at once
+LENGTH_RATIO = 1e-6  # length below which segments of a polyline need no class of their own, relative to its longest one
+
 
 def arc_lengths(polyline: FloatArray) -> FloatArray:
     """Return the arc lengths of the points of a polyline (k, d): (k,) [L]."""
@@ -30,20 +34,45 @@ def nearest_on_polyline(points: FloatArray, polyline: FloatArray) -> tuple[Float
     -------
     distance (n,), position (n,) [L]
     """
+    if len(points) * len(polyline) > MAX_PAIRS:
+        return _nearest_by_trees(points, polyline)
     start, along = polyline[:-1], np.diff(polyline, axis=0)
     length2 = np.einsum("ij,ij->i", along, along)
-    at = arc_lengths(polyline)
-    distance, position = np.empty(len(points)), np.empty(len(points))
-    block = max(1, 2_000_000 // max(len(start), 1))
-    for low in range(0, len(points), block):
-        off = points[low : low + block, None, :] - start
-        t = np.einsum("nkj,kj->nk", off, along) / np.where(length2 > 0, length2, 1.0)
-        t = np.clip(t, 0.0, 1.0)
-        gap = np.linalg.norm(off - t[:, :, None] * along, axis=2)
-        best = np.argmin(gap, axis=1)
-        row = np.arange(len(best))
-        distance[low : low + block] = gap[row, best]
-        position[low : low + block] = at[best] + t[row, best] * np.sqrt(length2[best])
+    off = points[:, None, :] - start
+    t = np.clip(np.einsum("nkj,kj->nk", off, along) / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)
+    gap = np.linalg.norm(off - t[:, :, None] * along, axis=2)
+    best, row = np.argmin(gap, axis=1), np.arange(len(points))
+    return gap[row, best], arc_lengths(polyline)[best] + t[row, best] * np.sqrt(length2[best])
+
+
+def _nearest_by_trees(points: FloatArray, polyline: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same as :func:`nearest_on_polyline` without forming all pairs of points and segments.
+
+    The nearest corner bounds the distance of a point, and thus that of the middle of its nearest segment. Segments are searched by classes
+    of length, as a long one would widen the bound of all.
+    """
+    start, along, at = polyline[:-1], np.diff(polyline, axis=0), arc_lengths(polyline)
+    length = np.linalg.norm(along, axis=1)
+    bound = cKDTree(polyline).query(points)[0]
+    distance, position = np.full(len(points), np.inf), np.zeros(len(points))
+    size = np.frexp(np.maximum(length, LENGTH_RATIO * length.max(initial=0.0)))[1]
+    for own in np.unique(size):
+        segments = np.flatnonzero(size == own)
+        tree = cKDTree(start[segments] + 0.5 * along[segments])
+        for low in range(0, len(points), BLOCK):
+            reach = (bound[low : low + BLOCK] + 0.5 * np.ldexp(1.0, own)) * (1.0 + 1e-9)
+            near = tree.query_ball_point(points[low : low + BLOCK], reach, return_sorted=True)
+            count = np.array([len(found) for found in near])
+            point = low + np.repeat(np.arange(len(near)), count)
+            segment = segments[np.array([j for found in near for j in found], np.int64)]
+            off = points[point] - start[segment]
+            square = np.where(length[segment] > 0, length[segment], 1.0) ** 2
+            t = np.clip(np.einsum("ij,ij->i", off, along[segment]) / square, 0.0, 1.0)
+            gap = np.linalg.norm(off - t[:, None] * along[segment], axis=1)
+            order = np.lexsort((segment, gap, point))
+            best = order[np.unique(point[order], return_index=True)[1]]
+            best = best[gap[best] < distance[point[best]]]
+            distance[point[best]], position[point[best]] = gap[best], at[segment[best]] + t[best] * length[segment[best]]
     return distance, position
 
 

@@ -212,10 +212,11 @@ def _apart(spots: FloatArray, taken: FloatArray, distance: float) -> IntArray:
     if not len(spots):
         return np.flatnonzero(free)
     free &= cKDTree(taken).query(spots)[0] >= distance
-    near = cKDTree(spots).query_ball_point(spots, distance, return_sorted=False)
+    tree = cKDTree(spots)
     for i in range(len(spots)):
         if free[i]:
-            free[near[i]] = False
+            # Only the neighbours of the points that stay: where a surface is squeezed, all others have thousands.
+            free[tree.query_ball_point(spots[i], distance)] = False
             free[i] = True
     return np.flatnonzero(free)
 

@@ -20,7 +20,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import ProblemError
 from ..errors import did_you_mean
-from ..meshing.closest_points import nearest_on_polyline
+from ..meshing.closest_points import feet_on_polyline
 from .given import checked_number
 from .given import vertex_names
 from .motion import Motion
@@ -262,7 +262,7 @@ class OnCurve(PositionConstraint):
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the curve."""
-        closest, tangents = nearest_on_polyline(points, np.asarray(self.points, dtype=np.float64), self.closed)
+        closest, tangents = feet_on_polyline(points, np.asarray(self.points, dtype=np.float64), self.closed)
         return ClosestPoints(closest, np.eye(3) - tangents[:, :, None] * tangents[:, None, :])
 
 

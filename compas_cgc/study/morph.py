@@ -18,7 +18,7 @@ from ..discrete.harmonic import spread_values
 from ..errors import CGCError
 from ..meshing import boundary_loops
 from ..meshing import named_supports
-from ..meshing.closest_points import nearest_on_polyline
+from ..meshing.closest_points import feet_on_polyline
 from ..meshing.polyline import arc_lengths
 from ..model.problem import CGCProblem
 
@@ -58,7 +58,7 @@ def moved_along(problem: CGCProblem, moving: Indices, direction: FloatArray, on_
         places = V + distance * weights[:, None] * direction
         # If the ends of a crease slide along an edge, the other vertices of that edge also slide on it.
         for loop in sliding:
-            places[loop] = np.where((weights[loop] != 0.0)[:, None], nearest_on_polyline(places[loop], V[loop], closed=True)[0], V[loop])
+            places[loop] = np.where((weights[loop] != 0.0)[:, None], feet_on_polyline(places[loop], V[loop], closed=True)[0], V[loop])
         after = face_normals(places, problem.faces)
         flipped = np.einsum("ij,ij->i", before, after) < MIN_COSINE
         if flipped.any():

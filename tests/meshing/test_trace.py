@@ -13,6 +13,7 @@ from compas_cgc.meshing.cleanup import tidy
 from compas_cgc.meshing.map_matching import edge_net
 from compas_cgc.meshing.point_location import face_at
 from compas_cgc.meshing.polyline import nearest_on_polyline
+from compas_cgc.meshing.polyline import point_at
 from compas_cgc.meshing.polyline import points_along
 from compas_cgc.meshing.split import split_along
 from compas_cgc.meshing.split import split_path
@@ -43,6 +44,18 @@ def test_points_are_met_in_order_and_as_often_as_the_curve_comes_by():
     assert points_along(points, there_and_back, 1e-3).tolist() == [2, 1, 3, 0, 3, 1, 2]
     distance, position = nearest_on_polyline(points[4:], there_and_back)
     assert distance == pytest.approx([0.1]) and position == pytest.approx([2.0])
+
+
+def test_nearest_points_are_the_same_without_all_pairs(monkeypatch):
+    random = np.random.default_rng(3)
+    line = np.concatenate([circle((0, 0), 5.0, 800), 40.0 * random.normal(size=(20, 3)), [[1.0, 2.0, 0.0]] * 2])
+    points = np.concatenate([4.0 * random.normal(size=(1500, 3)), circle((0, 0), 2.0, 90), line[::7]])
+    expected = nearest_on_polyline(points, line)
+    monkeypatch.setattr("compas_cgc.meshing.polyline.MAX_PAIRS", 0)
+    found = nearest_on_polyline(points, line)
+    assert np.abs(found[0] - expected[0]).max() < 1e-12
+    # At equal distances, as from the centre of the circle, either place is right.
+    assert np.linalg.norm(point_at(line, found[1]) - points, axis=1) == pytest.approx(expected[0], abs=1e-9)
 
 
 def test_a_curve_along_edges_gives_these_edges(net):

@@ -24,6 +24,8 @@ from compas_cgc.io import read_problem
 from compas_cgc.io import write
 from compas_cgc.io.summary import describe
 
+from .mutated_models import mutated_model
+
 SUFFIXES = (".json", ".obj", ".off", ".ply", ".stl", ".3dm")
 NUMBERS = "0 -1 1 7 -7 1e308 -1e308 nan inf 99999999999 -99999999999 2147483648 4294967296 1e-320 0x10 1_0 .5. 9" + 300 * "9"
 FOREIGN = "foreign_module_of_a_file"
@@ -62,6 +64,8 @@ def mutated(seed: bytes, suffix: str, random: random.Random) -> bytes:
     """Return a damaged copy of a file."""
     if suffix == ".json" and random.random() < 0.7:
         return _mutated_json(seed, random)
+    if suffix == ".3dm" and random.random() < 0.85:
+        return mutated_model(seed, random)
     text = suffix in (".json", ".obj", ".off") or b"\0" not in seed
     data = bytearray(seed)
     for _ in range(random.choice((1, 1, 2, 4))):

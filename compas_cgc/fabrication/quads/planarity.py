@@ -13,7 +13,7 @@ from ...discrete.arrays import Vertices
 from ...discrete.normals import vertex_normals
 from ...linalg import factorise
 from ...meshing.closest_on_mesh import nearest_on_mesh
-from ...meshing.closest_points import nearest_on_polyline
+from ...meshing.closest_points import feet_on_polyline
 from .extraction import Polygons
 
 __all__ = ["gaps", "planarised", "polygon_edges"]
@@ -90,7 +90,7 @@ def _aims(
     feet, normals = nearest_on_mesh(points, vertices, faces)
     off, blocks = points - feet, normals[:, :, None] * normals[:, None]
     for k in np.flatnonzero(own.rim & ~own.kinks).tolist():
-        found = [nearest_on_polyline(points[k : k + 1], curve) for curve in curves]
+        found = [feet_on_polyline(points[k : k + 1], curve) for curve in curves]
         foot, tangent = min(found, key=lambda each: float(np.linalg.norm(each[0] - points[k])))
         off[k], blocks[k] = points[k] - foot[0], np.eye(3) - np.outer(tangent[0], tangent[0])
     off[own.kinks], blocks[own.kinks] = (points - start)[own.kinks], np.eye(3)

@@ -13,16 +13,17 @@ from .sketch import Drawn
 from .user_text import dot_law
 from .user_text import user_law
 
-__all__ = ["curve_points", "to_drawn"]
+__all__ = ["EDGE_ACCURACY", "curve_points", "to_drawn"]
 
+EDGE_ACCURACY = 1e-6  # distance of mesh edges from their curves that matters, relative to the size of the curve
 _MAX_POINTS = 20_000
 
 
-def to_drawn(item: Item, tolerance: float) -> Drawn:
-    """Return the points of a point, point cloud, curve or text dot; curves are sampled to the tolerance [L]."""
+def to_drawn(item: Item, tolerance: float, accuracy: float = 0.0) -> Drawn:
+    """Return the points of a point, point cloud, curve or text dot; curves are sampled as by :func:`curve_points`."""
     law = user_law(item.text)
     if item.kind == "curve":
-        points = curve_points(item.geometry, tolerance)
+        points = curve_points(item.geometry, tolerance, accuracy)
     elif item.kind == "point cloud":
         points = _places(item.geometry.GetPoints())
     elif item.kind == "text dot":
@@ -33,7 +34,7 @@ def to_drawn(item: Item, tolerance: float) -> Drawn:
     return Drawn(item.label, item.kind, points, law, item.text)
 
 
-def curve_points(curve: Curve, tolerance: float) -> FloatArray:
+def curve_points(curve: Curve, tolerance: float, accuracy: float = 0.0) -> FloatArray:
     """Return points along a curve whose polyline is within a tolerance of the curve.
 
     Corners of polylines are exact. The parts of a polycurve are sampled separately, so that
@@ -45,6 +46,8 @@ def curve_points(curve: Curve, tolerance: float) -> FloatArray:
         Curve of any kind.
     tolerance
         Largest distance between curve and polyline [L].
+    accuracy
+        The same relative to the size of the curve; the larger one holds. Some drawings have a tolerance of 0, or far below what matters.
 
     Returns
     -------
@@ -54,11 +57,12 @@ def curve_points(curve: Curve, tolerance: float) -> FloatArray:
     rhino3dm = rhino3dm_module()
 
     if isinstance(curve, rhino3dm.PolyCurve) and curve.SegmentCount > 1:
-        parts = [curve_points(curve.SegmentCurve(i), tolerance) for i in range(curve.SegmentCount)]
+        parts = [curve_points(curve.SegmentCurve(i), tolerance, accuracy) for i in range(curve.SegmentCount)]
         points = np.concatenate([part for part in parts if len(part)] or [np.empty((0, 3))])
     else:
         polyline = curve.TryGetPolyline()
-        points = np.array([(p.X, p.Y, p.Z) for p in polyline]) if polyline is not None else _sample(curve, tolerance)
+        fine = max(tolerance, accuracy * _size(curve))
+        points = np.array([(p.X, p.Y, p.Z) for p in polyline]) if polyline is not None else _sample(curve, fine)
     points = points.reshape(-1, 3)
     if not np.isfinite(points).all():
         return np.empty((0, 3))
@@ -95,6 +99,11 @@ def _sample(curve: Curve, tolerance: float) -> FloatArray:
         done[np.column_stack([first, first + 1]).ravel()] = split
         coarse = done
     return points
+
+
+def _size(curve: Curve) -> float:
+    box = curve.GetBoundingBox()
+    return float(np.linalg.norm([box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z]))
 
 
 def _places(points: list[Point3d]) -> FloatArray:

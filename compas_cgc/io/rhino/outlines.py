@@ -15,6 +15,7 @@ from ...meshing.outline import Outlined
 from ...meshing.outline import mesh_from_outline
 from ...meshing.outline import own_plane
 from ...meshing.polyline import nearest_on_polyline
+from .curves import EDGE_ACCURACY
 from .curves import curve_points
 from .curves import to_drawn
 from .layers import Selection
@@ -54,10 +55,10 @@ def outline_part(found: Selection, edge_length: Optional[float], tolerance: floa
         elif found.creases:
             mend += "; or close an outline (Rhino: Join, CloseCrv) and give an edge length (--edge-length)"
         raise FileError(f"the file has no mesh; {mend}")
-    fine = 0.25 * tolerance if tolerance > 0 else 1e-4 * edge_length
-    outlines = [(f"outline {item.label}", curve_points(item.geometry, fine)) for item in found.outlines]
-    creases = [Drawn(item.label, "curve", curve_points(item.geometry, fine), user_law(item.text), item.text) for item in found.creases]
-    columns = [to_drawn(item, fine).points for item in found.supports if item.kind in ("point", "point cloud")]
+    fine = 0.25 * tolerance, EDGE_ACCURACY
+    outlines = [(f"outline {item.label}", curve_points(item.geometry, *fine)) for item in found.outlines]
+    creases = [Drawn(item.label, "curve", curve_points(item.geometry, *fine), user_law(item.text), item.text) for item in found.creases]
+    columns = [to_drawn(item, *fine).points for item in found.supports if item.kind in ("point", "point cloud")]
     try:
         made = outlined(outlines, creases, np.concatenate([np.empty((0, 3)), *columns]), edge_length, tolerance)
     except MeshError as error:

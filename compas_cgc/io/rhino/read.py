@@ -17,6 +17,7 @@ from .archive import Item
 from .archive import list_items
 from .archive import read_archive
 from .assemble import assemble
+from .curves import EDGE_ACCURACY
 from .curves import curve_points
 from .curves import to_drawn
 from .layers import LayerNames
@@ -92,7 +93,8 @@ def read_3dm(
     own = float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance
     try:
         unit = unit_suffix(unit_name(archive.Settings.ModelUnitSystem))
-        lines = _drawn([item for item in found.creases if item.kind == "curve"], 0.25 * own) if len(found.mesh) == 1 else []
+        curves = [item for item in found.creases if item.kind == "curve"] if len(found.mesh) == 1 else []
+        lines = [to_drawn(item, 0.25 * own, EDGE_ACCURACY) for item in curves]
         converted = [_converted(item, found.mesh, edge_length, own, unit, lines) for item in found.mesh]
         if any(made.laid for made in converted):
             found = found._replace(creases=[item for item in found.creases if item.kind != "curve"])

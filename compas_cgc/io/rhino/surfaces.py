@@ -200,13 +200,22 @@ def _apart_creases(creases: Sequence[FloatArray], surface: ParametricSurface, re
 
     if surface.kinks or any(len(crease) < 2 for crease in creases):
         return []
-    uv = [surface.pulled_back(crease, reach) for crease in creases]
-    if any(np.linalg.norm(surface.at(own) - crease, axis=1).max() > reach for own, crease in zip(uv, creases)):
+    # A few points show most curves off the surface at little cost.
+    if not all(_on_surface(surface, crease[:: max(1, len(crease) // 8)], reach)[1] for crease in creases):
         return []
-    flat = [shapely.LineString(own) for own in uv]
+    pulled = [_on_surface(surface, crease, reach) for crease in creases]
+    if not all(on for _, on in pulled):
+        return []
+    flat = [shapely.LineString(uv) for uv, _ in pulled]
     if any(not line.is_simple or line.is_ring for line in flat) or any(a.intersects(b) for k, a in enumerate(flat) for b in flat[:k]):
         return []
     return [np.array(crease) for crease in creases]
+
+
+def _on_surface(surface: ParametricSurface, line: FloatArray, reach: float) -> tuple[FloatArray, bool]:
+    """Return the parameters (k, 2) of points along a line, and whether all of them lie on a surface."""
+    uv = surface.pulled_back(line, reach)
+    return uv, bool(np.linalg.norm(surface.at(uv) - line, axis=1).max() <= reach)
 
 
 def _crossings(

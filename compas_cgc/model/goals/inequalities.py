@@ -12,7 +12,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.plan import flattened
-from ...meshing.closest_points import nearest_on_polyline
+from ...meshing.closest_points import feet_on_polyline
 from ..constraints import Constraint
 from ..constraints import unit
 from ..motion import Motion
@@ -215,7 +215,7 @@ class Within(Bound):
         from ...meshing.in_outline import inside_outline
 
         line, flat = in_plan(self.points, "points", 3), flattened(points)
-        closest, tangents = nearest_on_polyline(flat, line, closed=True)
+        closest, tangents = feet_on_polyline(flat, line, closed=True)
         inside = inside_outline(flat, line)
         away = flat - closest
         distance = np.linalg.norm(away, axis=1)

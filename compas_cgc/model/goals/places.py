@@ -13,7 +13,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.plan import flattened
-from ...meshing.closest_points import nearest_on_polyline
+from ...meshing.closest_points import feet_on_polyline
 from ..constraints import ClosestPoints
 from ..constraints import PositionConstraint
 from ..constraints import point_array
@@ -65,7 +65,7 @@ class EdgeInPlan(PositionConstraint):
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points above or below the line."""
         line = np.asarray(self.points, dtype=np.float64)
-        closest, tangents = nearest_on_polyline(flattened(points), flattened(line), self.closed)
+        closest, tangents = feet_on_polyline(flattened(points), flattened(line), self.closed)
         closest[:, 2] = points[:, 2]
         return ClosestPoints(closest, np.diag([1.0, 1.0, 0.0]) - tangents[:, :, None] * tangents[:, None, :])
 

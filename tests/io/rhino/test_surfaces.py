@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -14,9 +15,13 @@ from compas_cgc.discrete import face_areas
 from compas_cgc.discrete.nurbs import NurbsPatch
 from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino import read_3dm
+from compas_cgc.io.rhino.curves import EDGE_ACCURACY
+from compas_cgc.io.rhino.curves import curve_points
 from compas_cgc.io.rhino.nurbs import nurbs_surface
+from compas_cgc.io.rhino.parametric import ParametricSurface
 from compas_cgc.meshing import boundary_loops
 from compas_cgc.meshing.polyline import nearest_on_polyline
+from compas_cgc.meshing.surface_mesh import _apart
 from compas_cgc.model.checks import check
 
 pytest.importorskip("compas_cgal")
@@ -288,3 +293,41 @@ def test_a_surface_gets_edges_along_drawn_curved_creases(tmp_path):
         middles = 0.5 * (line[1:] + line[:-1])
         assert min(nearest_on_polyline(middles, own)[0].max() for own in drawn) < 5e-3
     assert smallest_angles(problem.vertices, problem.faces).min() > 25.0
+
+
+def test_a_curve_is_sampled_no_finer_than_what_matters():
+    """Some drawings have a tolerance of 0, or far below the size of a grain."""
+    circle = rhino3dm.Circle(place(0, 0), 50.0).ToNurbsCurve()
+    points = curve_points(circle, 0.0, EDGE_ACCURACY)
+    middles = 0.5 * (points[1:] + points[:-1])
+    assert len(points) < 10_000 and 50.0 - np.linalg.norm(middles, axis=1).min() < 142.0 * EDGE_ACCURACY
+    assert len(curve_points(circle, 1e-2, EDGE_ACCURACY)) == len(curve_points(circle, 1e-2)) < 500
+
+
+def test_a_crease_off_the_surface_costs_little(tmp_path, monkeypatch):
+    model, pulled = rhino3dm.File3dm(), []
+    layers = {name: model.Layers.AddLayer(name, (0, 0, 0, 255)) for name in ("CGC::Mesh", "CGC::Creases")}
+    above = rhino3dm.NurbsCurve.Create(False, 3, [place(x, x * x / 4, 2.0) for x in range(5)])
+    model.Settings.ModelAbsoluteTolerance = 0.0
+    for name, geometry in (("CGC::Mesh", saddle()), ("CGC::Creases", above)):
+        attributes = rhino3dm.ObjectAttributes()
+        attributes.LayerIndex = layers[name]
+        model.Objects.Add(geometry, attributes)
+    assert model.Write(str(tmp_path / "above.3dm"), 7)
+    once = ParametricSurface.pulled_back
+    monkeypatch.setattr(ParametricSurface, "pulled_back", lambda self, line, reach: pulled.append(len(line)) or once(self, line, reach))
+    found = read_3dm(tmp_path / "above.3dm", edge_length=0.5)
+    assert min(pulled) < 20 and sum(pulled) < 500
+    assert any("does not lie on the mesh" in str(each) or "off the mesh" in str(each) for each in [*found.diagnostics, *found.notes])
+
+
+def test_a_squeezed_surface_takes_no_memory_for_pairs_of_points():
+    random = np.random.default_rng(0)
+    spots = np.concatenate([1e-4 * random.normal(size=(4000, 3)), random.normal(size=(500, 3))])
+    tracemalloc.start()
+    kept = _apart(spots, np.array([[9.0, 9.0, 9.0]]), 0.2)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    distances = np.linalg.norm(spots[kept][:, None] - spots[kept], axis=2) + np.eye(len(kept))
+    assert distances.min() >= 0.2 and np.linalg.norm(spots[:, None] - spots[kept], axis=2).min(axis=1).max() <= 0.2
+    assert peak < 10e6

@@ -7,7 +7,7 @@ import pytest
 
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
-from compas_cgc.meshing.closest_points import nearest_on_polyline
+from compas_cgc.meshing.closest_points import feet_on_polyline
 from compas_cgc.model.constraints import Fixed
 from compas_cgc.model.constraints import Height
 from compas_cgc.model.constraints import Mirror
@@ -72,7 +72,7 @@ def test_an_edge_on_a_line():
 @pytest.mark.parametrize("curve", [ARCH, ARCH[::12]], ids=["fine", "coarse"])
 def test_an_edge_on_an_arch(curve):
     vertices = solved([OnCurve(EDGE, curve)])
-    assert np.linalg.norm(nearest_on_polyline(vertices[EDGE], curve)[0] - vertices[EDGE], axis=1).max() < 1e-13
+    assert np.linalg.norm(feet_on_polyline(vertices[EDGE], curve)[0] - vertices[EDGE], axis=1).max() < 1e-13
     assert (np.diff(vertices[EDGE, 1]) > 0).all(), "in order along the curve"
 
 
@@ -82,7 +82,7 @@ def test_a_crease_free_held_or_drawn_to_a_curve():
     assert np.array_equal(held[RIDGE], roof().vertices[RIDGE]), "bit for bit"
     high = ARCH + [5, 0, 1.0]
     drawn = solved([OnCurve(RIDGE, high)], roof(crease=True))
-    assert np.linalg.norm(nearest_on_polyline(drawn[RIDGE], high)[0] - drawn[RIDGE], axis=1).max() < 1e-13
+    assert np.linalg.norm(feet_on_polyline(drawn[RIDGE], high)[0] - drawn[RIDGE], axis=1).max() < 1e-13
     assert 0 < free[RIDGE, 2].max() < drawn[RIDGE, 2].max()
 
 
@@ -139,7 +139,7 @@ def test_mirrors_and_curves_together():
     vertices = solved([LEFT_RIGHT, OnCurve(EDGE, ARCH)], symmetric_roof())
     other = EDGE + N * (N + 1)
     assert np.abs(vertices[other] * [-1, 1, 1] + [10, 0, 0] - vertices[EDGE]).max() < 1e-13
-    assert np.linalg.norm(nearest_on_polyline(vertices[EDGE], ARCH)[0] - vertices[EDGE], axis=1).max() < 1e-13
+    assert np.linalg.norm(feet_on_polyline(vertices[EDGE], ARCH)[0] - vertices[EDGE], axis=1).max() < 1e-13
 
 
 def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
@@ -186,8 +186,8 @@ def test_constraints_without_sense_are_refused(make, words):
 def test_nearest_points_slide_along_a_polyline_and_stop_at_its_ends():
     corner = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0]], float)
     points = np.array([[0.3, -0.2, 0], [1.5, -0.5, 0], [1, 1.7, 0], [-1, 0.1, 0]])
-    feet, slide = nearest_on_polyline(points, corner)
+    feet, slide = feet_on_polyline(points, corner)
     assert np.allclose(feet, [[0.3, 0, 0], [1, 0, 0], [1, 1, 0], [0, 0, 0]])
     assert np.allclose(slide, [[1, 0, 0], [0.5**0.5, 0.5**0.5, 0], [0, 0, 0], [0, 0, 0]])
-    feet, slide = nearest_on_polyline(np.array([[0.2, 0.4, 0]]), corner, closed=True)
+    feet, slide = feet_on_polyline(np.array([[0.2, 0.4, 0]]), corner, closed=True)
     assert np.allclose(feet, [[0.3, 0.3, 0]]) and np.allclose(np.abs(slide), [[0.5**0.5, 0.5**0.5, 0]])

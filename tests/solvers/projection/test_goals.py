@@ -13,7 +13,7 @@ from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.errors import ProblemError
-from compas_cgc.meshing.closest_points import nearest_on_polyline
+from compas_cgc.meshing.closest_points import feet_on_polyline
 from compas_cgc.model.constraints import Height
 from compas_cgc.model.constraints import OnLine
 from compas_cgc.model.goals.binding import bind
@@ -165,7 +165,7 @@ def test_edges_within_a_site_and_over_their_line():
 
     def off(solution):
         flat = solution.vertices[rim] * [1, 1, 0]
-        return np.linalg.norm(nearest_on_polyline(flat, line, closed=True)[0] - flat, axis=1).max()
+        return np.linalg.norm(feet_on_polyline(flat, line, closed=True)[0] - flat, axis=1).max()
 
     assert off(solved(problem)) > 0.3
     assert off(solved(problem, EdgeInPlan())) < 1e-12
@@ -190,7 +190,7 @@ def test_edges_of_a_steep_court_stay_over_their_lines(given):
     result = solve(mesh, goals=[EdgeInPlan(points=plan, closed=True) if given else EdgeInPlan()])
     assert result.verdict.fair
     edge = result.vertices[boundary_vertices(result.vertices, result.faces)] * [1, 1, 0]
-    assert np.abs(nearest_on_polyline(edge, plan, closed=True)[0] - edge).max() < 1e-9
+    assert np.abs(feet_on_polyline(edge, plan, closed=True)[0] - edge).max() < 1e-9
 
 
 def test_an_oculus_kept_level_and_round_by_one_goal():
