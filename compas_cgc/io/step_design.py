@@ -25,8 +25,8 @@ __all__ = ["read_step_design"]
 
 COINCIDENCE = 1e-3  # distance within which points of neighbouring faces coincide, relative to the tolerance
 MAX_NEIGHBOURS = 100  # within this distance, in the mean; beyond, merging takes gigabytes
-# Longest processor time of reading; 1 s is the most that a valid design of .5 MB took, 3 s one of 6 MB.
-SECONDS, SECONDS_PER_BYTE = 1.6, 1e-6
+# Longest processor time of reading; valid designs up to .6 MB took 1 s at most, one of 6 MB 2.5 s.
+SECONDS, SECONDS_PER_BYTE = 1.5, 0.7e-6
 MEMORY, MEMORY_PER_BYTE = 400 * 2**20, 50  # largest memory of reading [bytes]; 130 MB is the most that a valid design took
 PATIENCE = 20.0  # longest time by the clock, relative to the processor time, as on a busy computer
 _OUT_OF_TIME = getattr(signal, "SIGPROF", 0)  # ends a process that has used its processor time

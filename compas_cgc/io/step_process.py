@@ -32,6 +32,7 @@ MAX_TRIANGLES = 40_000  # about as many as the second division may have; they ta
 ANGLE = 0.5
 ON_SIDE = 1e-6  # distance of an edge from a side of its surface, relative to the range of the parameters
 EDGE_POINTS = 9
+UNDIVIDED = "OpenCASCADE cannot divide all faces of the file into triangles; repair its faces and export it again"
 
 
 def main() -> None:
@@ -46,7 +47,7 @@ def main() -> None:
         signal.setitimer(signal.ITIMER_PROF, float(sys.argv[3]))
         resource.setrlimit(resource.RLIMIT_DATA, (int(sys.argv[4]), int(sys.argv[4])))
     try:
-        contents = contents_of_step(path)
+        contents: dict[str, Any] = contents_of_step(path)
     except CGCError as error:
         contents = {"reason": np.array(str(error))}
     with open(result, "wb") as file:
@@ -127,11 +128,13 @@ def _triangles(occt: Any, shape: Any) -> dict[str, np.ndarray]:
     first = COARSE * DEFLECTION * _diagonal(np.array(occt.aabb(shape, False)))
     # A copy does not pass its triangles on.
     points, corners, _ = occt.tesselate(occt.copy(shape), first, ANGLE)
+    if not len(points):
+        raise FileError(UNDIVIDED)
     size = _diagonal(np.array(points))
     deflection = max(DEFLECTION * size, first * len(corners) / MAX_TRIANGLES)
     # OpenCASCADE leaves out faces without a word where it fails, as for lack of memory.
     if not all(len(occt.tesselate(face, deflection, ANGLE)[1]) for face in occt.shape_explore(shape, FACE)):
-        raise FileError("OpenCASCADE cannot divide all faces of the file into triangles; repair its faces and export it again")
+        raise FileError(UNDIVIDED)
     # The shape keeps the triangles of its faces.
     points, corners, _ = occt.tesselate(shape, deflection, ANGLE)
     return {
