@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 from pathlib import Path
 
 import hypothesis
@@ -12,6 +13,11 @@ hypothesis.settings.load_profile("default")
 
 PROCESSES = {"cli", "client", "execution", "grasshopper", "paper", "plot", "rpc", "server", "study", "system"}
 LONG = 600  # seconds allowed for a nightly test, or one that starts processes
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """Return one worker more than there are cores, as tests of servers and commands wait for other processes."""
+    return len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1)) + 1
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -203,7 +203,7 @@ def test_only_what_decides_the_surface_is_solved_again(tmp_path, monkeypatch, me
 
 
 def test_two_processes_and_a_run_that_was_stopped_give_the_same_table_bit_for_bit(tmp_path):
-    mesh, study = grid(), of({"K": {"from": 0.004, "to": 0.02, "count": 40}})
+    mesh, study = grid(), of({"K": {"from": 0.004, "to": 0.02, "count": 20}})
     run_study(mesh, study, tmp_path / "one")
     run_study(mesh, study, tmp_path / "two", workers=2)
     seen = []
