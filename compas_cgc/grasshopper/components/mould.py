@@ -56,6 +56,7 @@ def mould(
     along: Optional[str],
     material: Optional[str],
     thickness: Optional[float],
+    tolerance: Optional[float],
     least_bending: Optional[bool],
     rough: Optional[bool],
     aside: Optional[float],
@@ -65,11 +66,12 @@ def mould(
         ask_for(component, "a solved CGC mesh")
         _RUNNER.reset(component)
         return MouldOutputs()
-    tolerance, _ = document_units()
-    lines = [curve_to_points(curve, tolerance) for curve in as_list(curves)]
+    sampling, _ = document_units()
+    lines = [curve_to_points(curve, sampling) for curve in as_list(curves)]
     if size is None and count is None and not lines:
         count = 1
-    inputs = (cgc_mesh, size, count, along, material, thickness, least_bending, rough, aside, [line.tolist() for line in lines])
+    choices = (size, count, along, material, thickness, tolerance, least_bending, rough, aside)
+    inputs = (cgc_mesh, *choices, [line.tolist() for line in lines])
 
     def work(report: Report, last: Last) -> Finished:
         problem = cgc_mesh.to_problem().without_dummies()
@@ -80,6 +82,7 @@ def mould(
             divided,
             material=chosen,
             thickness=6.0 if thickness is None else thickness,
+            tolerance=tolerance or 0.0,
             least_bending=bool(least_bending),
             rough=bool(rough),
         )

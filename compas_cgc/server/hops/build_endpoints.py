@@ -42,6 +42,14 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                 Input("Material", "Ma", "Text", f"{', '.join(MATERIALS)}. Defaults to glass.", default="glass"),
                 Input("Thickness", "Th", "Number", "Thickness of the panels in mm. Defaults to 6.", default=6.0, low=0.0),
                 Input(
+                    "Tolerance",
+                    "To",
+                    "Number",
+                    "Largest gap in mm for which panels with different K share a mould. Defaults to 0: one mould for each K.",
+                    default=0.0,
+                    low=0.0,
+                ),
+                Input(
                     "LeastBending",
                     "Lb",
                     "Boolean",

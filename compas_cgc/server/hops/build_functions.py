@@ -34,6 +34,7 @@ MOULD = {
     "Along": "along",
     "Material": "material",
     "Thickness": "thickness",
+    "Tolerance": "tolerance",
     "LeastBending": "least_bending",
 }
 UNROLL = {

@@ -22,10 +22,11 @@ class Mould(Grasshopper.Kernel.GH_ScriptInstance):
         along: str,
         material: str,
         thickness: float,
+        tolerance: float,
         least_bending: bool,
         rough: bool,
         aside: float,
     ):
-        given = (cgc_mesh, size, count, curves, along, material, thickness, least_bending, rough, aside)
+        given = (cgc_mesh, size, count, curves, along, material, thickness, tolerance, least_bending, rough, aside)
         out = mould(ghenv.Component, *given)  # noqa: F821
         return out.panels, out.on_moulds, out.moulds, out.names, out.mould, out.misses, out.change, out.stress, out.report

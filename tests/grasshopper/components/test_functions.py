@@ -306,6 +306,21 @@ def test_panels_of_a_sphere_lie_on_it_and_need_no_bending():
     assert placed.settle(cgc_mesh=mesh)["names"] == ["0-1"]
 
 
+def test_panels_of_nearly_one_k_share_a_mould_within_a_tolerance():
+    u = np.linspace(-0.6, 0.6, 9)
+    cap = [(x, y, np.sqrt(4 - x * x - y * y)) for x in u for y in u]
+    faces = [(9 * i + j, 9 * (i + 1) + j, 9 * (i + 1) + j + 1, 9 * i + j + 1) for i in range(8) for j in range(8)]
+    mesh = place("Mesh").settle(mesh=rhino_mesh(cap, faces), creases=[line(*cap[36:45])])["cgc_mesh"]
+    mesh = place("Target").run(cgc_mesh=mesh, K=[0.25, 0.251])["cgc_mesh"]
+    placed = place("Mould")
+    given = {"cgc_mesh": mesh, "count": 1, "rough": True}
+    assert sorted(placed.settle(**given)["mould"]) == [0, 1]
+    out = placed.settle(**given, tolerance=2.0)
+    assert not placed.said("Error") and placed.component.Message == "2 panels, 1 mould" and out["mould"] == [0, 0]
+    placed.settle(**given, tolerance=-1.0)
+    assert "the tolerance must be at least 0 mm" in placed.said("Error")[0]
+
+
 def test_files_there_and_back(tmp_path):
     mesh = place("Target").run(cgc_mesh=nine_regions(), K=[1 / 30])["cgc_mesh"]
     path = str(tmp_path / "nine.3dm")

@@ -177,3 +177,13 @@ def test_moulds_of_least_bending_are_chosen_by_an_input(hops):
     (least,) = moulds(own, divided, least_bending=True).moulds
     assert least.kind != "sphere" and f"mould 1: {least.kind} of K" in outputs["Info"][0]
     assert "mould 1: sphere of K" in usual["Info"][0]
+
+
+def test_panels_of_nearly_one_k_share_a_mould_within_a_tolerance(hops):
+    V, F = revolved_patch(8, 0.02)
+    crease = V[np.abs(V[:, 0]) < 1e-9]
+    curve = rhino3dm.PolylineCurve([rhino3dm.Point3d(*point) for point in crease[np.argsort(crease[:, 1])].tolist()])
+    given = {"Mesh": mesh_from_arrays(V, F), "Creases": [curve], "K": [0.02, 0.0201], "At": [(-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)], "Count": 1}
+    assert sorted(hops("mould").solve(**given)[1]["Mould"]) == [0, 1]
+    status, outputs, errors, _ = hops("mould").solve(**given, Tolerance=10.0)
+    assert (status, errors) == (200, []) and outputs["Mould"] == [0, 0]
