@@ -15,13 +15,14 @@ from scipy.spatial import QhullError
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .patchwork import CREASE
+from .patchwork import SIDES
 from .patchwork import Patchwork
 from .patchwork import connected_pieces
 from .patchwork import mates
 from .patchwork import outline_sides
 from .patchwork import split_piece
 
-__all__ = ["CUT_TOLERANCE", "Box", "best_box", "cut_to_fit", "parted", "refuse_many"]
+__all__ = ["CUT_TOLERANCE", "Box", "best_box", "contacts", "cut_to_fit", "parted", "refuse_many"]
 
 SNAP_TOLERANCE = 1e-9  # distance of a node from a cut, relative to the size of the piece, that counts as zero
 MAX_PIECES = 5000
@@ -178,19 +179,22 @@ def _levels(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float]) ->
     return normal, levels[np.argsort(np.abs(levels - even), kind="stable")].tolist()
 
 
-def shortest_contact(own: Patchwork, pieces: tuple[int, ...]) -> float:
-    """Return the least length that one of some pieces shares with another piece, without creases; infinite if there is none [L]."""
+def contacts(own: Patchwork, most: int = len(SIDES)) -> tuple[IntArray, FloatArray]:
+    """Return the pairs of pieces that share sides of kinds below `most` (s, 2), and the length that they share (s,) [L]."""
     mate = mates(own.faces)
     other = np.where(mate >= 0, own.piece[mate // 3], -1)
-    between = (other >= 0) & (other != own.piece[:, None]) & (own.side < CREASE) & np.isin(own.piece, pieces)[:, None]
-    if not between.any():
-        return float("inf")
+    # Every common side is there twice.
+    between = (other > own.piece[:, None]) & (own.side < most)
     lengths = np.linalg.norm(np.roll(own.plane, -1, axis=1) - own.plane, axis=2)[between]
-    one = np.broadcast_to(own.piece[:, None], other.shape)[between]
-    pairs = np.unique(np.sort(np.column_stack([one, other[between]]), axis=1), axis=0, return_inverse=True)[1].ravel()
-    # Contacts of two of the pieces are counted from both sides.
-    twice = np.bincount(pairs, np.isin(one, pieces) & np.isin(other[between], pieces)) > 0
-    return float((np.bincount(pairs, lengths) / np.where(twice, 2.0, 1.0)).min())
+    pairs = np.column_stack([np.broadcast_to(own.piece[:, None], other.shape)[between], other[between]])
+    found, which = np.unique(pairs, axis=0, return_inverse=True)
+    return found, np.bincount(which.ravel(), lengths, len(found)).astype(np.float64)
+
+
+def shortest_contact(own: Patchwork, pieces: tuple[int, ...]) -> float:
+    """Return the least length that one of some pieces shares with another piece, without creases; infinite if there is none [L]."""
+    pairs, lengths = contacts(own, CREASE)
+    return float(lengths[np.isin(pairs, pieces).any(axis=1)].min(initial=np.inf))
 
 
 def parted(own: Patchwork, piece: int) -> Patchwork:

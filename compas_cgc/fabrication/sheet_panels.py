@@ -9,12 +9,14 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..model.problem import CGCProblem
+from .figures import metres
 from .grid_lines import Division
 from .nesting import nest
 from .panelling import Panel
 from .panelling import grid_panels
 from .patchwork import Patchwork
 from .pieces import best_box
+from .pieces import contacts
 from .regions_in_plane import developed_panels
 from .stock import Stock
 
@@ -32,9 +34,11 @@ def sheet_panels(
     too_wide: Callable[[Patchwork, int], bool],
     cut: Callable[[Patchwork], Patchwork],
 ) -> Optional[list[Panel]]:
-    """Return panels of the grid or of the strips that need the fewest sheets, None if the mesh is too coarse for a grid.
+    """Return panels of the best grid or strips, None if the mesh is too coarse for a grid.
 
-    Strips, and single panels, may be larger than a sheet, and are then to be cut.
+    The best ones have the fewest short seams, and then need the fewest sheets. Strips are cut one by one, so that their joints meet those
+    of other strips and regions at short seams, and differ between parts of a roof that are alike; joints of a grid continue. Strips, and
+    single panels, may be larger than a sheet, and are then to be cut.
 
     Parameters
     ----------
@@ -45,7 +49,7 @@ def sheet_panels(
     stock
         The sheets.
     shortest
-        Length of seams below which grid lines are moved, if possible [mm].
+        Length of a short seam [mm]; grid lines are moved to avoid them, if possible.
     taken
         Function that returns points around the room of a piece (k, 2) [L].
     too_wide
@@ -53,10 +57,11 @@ def sheet_panels(
     cut
         Function that cuts pieces until they fit on sheets.
     """
-    best: Optional[tuple[int, Division]] = None
+    best: Optional[tuple[tuple[int, int], Division]] = None
+    least = 1e-3 * shortest / metres(problem.drawing.units)
 
     def compare(largest: tuple[float, float], strips: bool = False) -> Optional[int]:
-        """Keep the division if it needs the fewest sheets so far; return the most parts of a panel, None if the mesh is too coarse."""
+        """Keep the division if it is the best so far; return the most parts of a panel, None if the mesh is too coarse."""
         nonlocal best
         division = Division(largest=largest)
         try:
@@ -69,7 +74,8 @@ def sheet_panels(
         fitting = [box[1:3] for box, count in zip(boxes, parts) if count == 1]
         nested = 1 + max(place.sheet for place in nest(fitting, stock.room, stock.spacing or 0.0)) if fitting else 0
         sheets = nested + sum(count for count in parts if count > 1)
-        best = (sheets, division) if best is None or sheets < best[0] else best
+        key = int((contacts(flat)[1] < least).sum()), sheets
+        best = (key, division) if best is None or key < best[0] else best
         return max(parts)
 
     for sides in (stock.room, stock.room[::-1]):

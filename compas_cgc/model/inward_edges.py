@@ -12,10 +12,12 @@ from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.plan import cross
+from ..errors import Remedy
+from ..errors import Sentence
 from .problem import CGCProblem
 from .roles import FIXED
 
-__all__ = ["inward_edges"]
+__all__ = ["dividing_creases", "inward_edges"]
 
 MIN_TURN = np.radians(2.0)  # least turn to the right, with the surface on the left
 MIN_CORNER, MAX_BEND = np.radians(20.0), np.radians(1.0)  # least turn of a corner between straight parts, and largest bend within these
@@ -33,8 +35,10 @@ class _Line(NamedTuple):
     over: float  # height of the vertex over the straight line between the ends [L]
 
 
-def inward_edges(problem: CGCProblem) -> list[str]:
+def inward_edges(problem: CGCProblem) -> list[Sentence]:
     """Return a sentence for every region of K > 0 that cannot be smooth at a reentrant corner of its supported boundary.
+
+    The remedy is a crease from every such corner, straight on along one of its sides, so that no region has the corner any more.
 
     Such a surface is either convex over every line in its plan or concave over every line. A line through a reentrant corner, or
     along a hole, meets supported edges at three points. The middle one must lie higher than the others on all such lines of a
@@ -44,7 +48,17 @@ def inward_edges(problem: CGCProblem) -> list[str]:
     return [said for said in found if said is not None]
 
 
-def _of_region(problem: CGCProblem, region: int) -> Optional[str]:
+def dividing_creases(problem: CGCProblem) -> list[Remedy]:
+    """Return the remedy that divides the regions of K > 0 at the reentrant corners of their supported boundaries, if there are any.
+
+    Many of them have no fair surface although those that :func:`inward_edges` names are excluded for certain.
+    """
+    convex = [region for region, K in enumerate(problem.region_targets()) if K is not None and K > 0.0]
+    lines = [line for region in convex for own in _dividing(problem, problem.faces[problem.regions() == region]) for line in own.value]
+    return [Remedy("creases", lines)] if lines else []
+
+
+def _of_region(problem: CGCProblem, region: int) -> Optional[Sentence]:
     faces = problem.faces[problem.regions() == region]
     asked = problem.asked & problem.region_vertices(region)
     if not asked.any() or not (problem.targets[asked] > 0.0).all():
@@ -55,27 +69,51 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[str]:
     digits = 2 - int(np.floor(np.log10(size))) if size > 0.0 else 0
     over = max(lines, key=lambda line: line.over, default=None)
     under = min(lines, key=lambda line: line.over, default=None)
-    mend = "draw a crease to that corner, round it and free it there, or move it"
+    mend = Sentence("draw a crease to that corner, round it and free it there, or move it", _dividing(problem, faces))
     if level is not None:
         turn, (one, other) = np.degrees(level.turn), (_place(end, digits) for end in level.ends)
-        return (
+        return Sentence(
             f"the supported boundary has a reentrant corner of {turn:.0f} degrees {_at(problem, level.vertex, digits)}, on a straight line "
-            f"with the supported edges at {one} and {other}, and a smooth surface of K > 0 is never straight; {mend}"
-        )
+            f"with the supported edges at {one} and {other}, and a smooth surface of K > 0 is never straight; {{}}"
+        ).format(mend)
     if over is None or under is None or not over.over > 0.0 > under.over:
         corner = _straight_corner(problem, faces)
         if corner is None:
             return None
-        return (
+        return Sentence(
             f"the supported boundary has a reentrant corner {_at(problem, corner, digits)} between straight parts, and beyond it a smooth "
-            f"surface of K > 0 would have to lie both below and above their plane; {mend}"
-        )
+            f"surface of K > 0 would have to lie both below and above their plane; {{}}"
+        ).format(mend)
     dome, bowl = (_at(problem, line.vertex, digits) for line in (over, under))
-    return (
+    return Sentence(
         f"region {region} has K > 0 and so bulges to one side only, but its supported boundary has a reentrant corner {dome}, "
         f"{over.over:.3g} above the straight line between supported edges (a dome), and one {bowl}, {-under.over:.3g} below it (a bowl); "
-        f"{mend}"
-    )
+        "{}"
+    ).format(mend)
+
+
+def _dividing(problem: CGCProblem, faces: IntArray) -> list[Remedy]:
+    """Return the remedy that divides a region by a line in plan from every sharp reentrant corner of its supported boundary.
+
+    A line continues one of the two sides there, the one that makes it shorter, up to the boundary.
+    """
+    V, held = problem.vertices, problem.roles == FIXED
+    rim = _rim(V, faces)
+    at = _turning(V, held, rim, sides=1)
+    if at is None:
+        return []
+    lines: list[list[list[float]]] = []
+    for k in np.flatnonzero(at.turn > MIN_CORNER).tolist():
+        corner = V[at.middle[k], :2]
+        ways = at.behind[k], -at.ahead[k]
+        ends = [end for end in (_met(V, rim, np.ones(len(V), bool), int(at.middle[k]), way) for way in ways) if end is not None]
+        if not ends:
+            continue
+        line = [corner.tolist(), min(ends, key=lambda end: float(np.linalg.norm(end[:2] - corner)))[:2].tolist()]
+        # Two corners that face each other have one line.
+        if not any(np.allclose(line[::-1], other) for other in lines):
+            lines.append(line)
+    return [Remedy("creases", lines)] if lines else []
 
 
 def _at(problem: CGCProblem, vertex: int, digits: int) -> str:
@@ -119,17 +157,35 @@ def _straight_corner(problem: CGCProblem, faces: IntArray) -> Optional[int]:
     return int(rows[np.argmax(turn), 2]) if turn.max(initial=0.0) > MIN_CORNER else None
 
 
+class _Turning(NamedTuple):
+    """Supported vertices of a boundary beside supported ones, with the surface to the left."""
+
+    middle: IntArray  # (k,) the vertices
+    behind: FloatArray  # (k, 2) way from the vertex before [L]
+    ahead: FloatArray  # (k, 2) way to the vertex after [L]
+    turn: FloatArray  # (k,) turn to the right [rad]
+
+
+def _turning(V: FloatArray, held: np.ndarray, rim: Edges, sides: int = 2) -> Optional[_Turning]:
+    """Return the supported vertices of a boundary with one or two supported neighbours; None if the boundary touches itself."""
+    after, before = dict(rim.tolist()), dict(rim[:, ::-1].tolist())
+    middle = [v for v in after if held[v] and v in before and int(held[before[v]]) + int(held[after[v]]) >= sides]
+    if not len(middle) or len(after) < len(rim):
+        return None
+    behind = V[middle, :2] - V[[before[v] for v in middle], :2]
+    ahead = V[[after[v] for v in middle], :2] - V[middle, :2]
+    turn = -np.arctan2(cross(behind, ahead), np.einsum("ij,ij->i", behind, ahead))
+    return _Turning(np.array(middle, dtype=np.int64), behind, ahead, turn)
+
+
 def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
     """Return the lines through the reentrant corners of the supported boundary of a region."""
     V, held = problem.vertices, problem.roles == FIXED
     rim = _rim(V, faces)
-    after, before = dict(rim.tolist()), dict(rim[:, ::-1].tolist())
-    middle = np.array([v for v in after if held[v] and v in before and held[before[v]] and held[after[v]]], dtype=np.int64)
-    if not len(middle) or len(after) < len(rim):
+    at = _turning(V, held, rim)
+    if at is None:
         return []
-    behind = V[middle, :2] - V[[before[v] for v in middle.tolist()], :2]
-    ahead = V[[after[v] for v in middle.tolist()], :2] - V[middle, :2]
-    turn = -np.arctan2(cross(behind, ahead), np.einsum("ij,ij->i", behind, ahead))
+    middle, behind, ahead, turn = at
     sharpest = np.argsort(-turn, kind="stable")[:MAX_CORNERS]
     found = []
     for k in sharpest[turn[sharpest] > MIN_TURN].tolist():

@@ -20,6 +20,7 @@ from compas_cgc.fabrication.views.level_lines import level_lines
 from compas_cgc.fabrication.views.marks import letters
 from compas_cgc.fabrication.views.projections import Shape
 from compas_cgc.fabrication.views.projections import elevation
+from compas_cgc.fabrication.views.setting_out import chain
 from compas_cgc.io.views import write_views
 
 from ..support.constant_curvature import revolved_patch
@@ -112,6 +113,29 @@ def test_texts_of_the_plan_touch_neither_each_other_nor_lines(surface, scale, in
         # Other views and the frame lie outside the plan.
         if line.layer in ("OUTLINE", "CREASE", "SECTION", "CONTOUR", "SUPPORT") and plan.contains(path):
             assert not any(text.intersects(path) for text in texts)
+
+
+def test_creases_corners_and_columns_are_dimensioned_in_the_plan():
+    arc = np.linspace(0.0, 1.0, 13)
+    crease = np.column_stack([4.0 + 1.5 * np.sin(np.pi * arc), 8.0 * arc, 0.0 * arc])
+    mesh = CGCMesh.from_outline([[0, 0], [12, 0], [12, 5], [9, 8], [0, 8]], creases=[crease.tolist()], edge_length=0.7)
+    problem = mesh.to_problem().with_supports("corners").with_targets(0.01)
+    drawn = draw_views(replace(problem, drawing=problem.drawing._replace(units="Meters")), 100)
+    texts = [own for own in drawn.labels if own.layer == "DIMENSION"]
+    across = [own.text for own in texts if own.angle == 0.0]
+    # From the edge to the ends of the crease, to its crown, to the corner at the top and to the other edge, and the whole width.
+    parts = [float(text) for text in across if text not in ("0.000", "12.000")]
+    assert "12.000" in across and parts == pytest.approx([4.0, 1.5, 3.5, 3.0], abs=0.01) and sum(parts) == pytest.approx(12.0)
+    down = [float(own.text) for own in texts if own.angle == 90.0]
+    assert sorted(down) == pytest.approx([1.0, 3.0, 4.0, 8.0], abs=0.02)
+    boxes = [box(own) for own in texts if own.height < 2.5]
+    assert all(not one.intersects(other) for k, one in enumerate(boxes) for other in boxes[:k])
+    # Parts without room for a text have none, and other texts stay apart.
+    lines, labels = chain(
+        np.array([0.0, 20.0, 22.0, 23.0, 60.0]), ["2.000", "0.200", "0.100", "3.700"], np.zeros(2), np.array([1.0, 0.0]), 12.0
+    )
+    assert [own.text for own in labels] == ["2.000", "0.200", "3.700"] and len(lines) == 20
+    assert labels[1].place[1] < -12.0 < labels[0].place[1]
 
 
 def test_contour_lines_have_their_heights_and_supports_their_lines():

@@ -8,6 +8,7 @@ import pytest
 from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import edge_faces
+from compas_cgc.model.inward_edges import dividing_creases
 from compas_cgc.model.inward_edges import inward_edges
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
@@ -37,6 +38,20 @@ def test_a_level_edge_is_named_where_it_turns_inwards(cut, words):
     assert inward_edges(plan(cut, target=-0.3)) == []
     turned = plan(cut)
     assert inward_edges(turned) == inward_edges(CGCProblem(turned.vertices, turned.faces[:, ::-1], turned.roles, 0.3))
+
+
+def test_the_remedy_is_a_crease_from_the_corner_straight_on_to_the_boundary():
+    (said,) = inward_edges(plan("corner"))
+    (remedy,) = said.remedies
+    ((start, end),) = remedy.value
+    assert remedy.field == "creases" and start == [0.0, 0.0] and sorted(end) == [-2.0, 0.0]
+    (around,) = inward_edges(plan("hole"))
+    assert len(around.remedies[0].value) == 4
+    # A corner with a free side is divided too, one between free sides is not.
+    half = plan("corner", held=lambda x, y: (x < 1e-9) | (y < -1.9))
+    assert [own.field for own in dividing_creases(half)] == ["creases"]
+    assert dividing_creases(plan("corner", held=lambda x, y: (x < -1.9) | (y < -1.9))) == []
+    assert dividing_creases(plan("corner", target=-0.3)) == []
 
 
 def test_the_corner_is_named_by_its_place_in_any_unit():

@@ -164,7 +164,8 @@ def draw_views(
     units = problem.drawing.units or "Meters"
     unit_mm = 1000.0 * metres(units)
     sizes = _sizes(shape, cuts, upwards)
-    name, found, rows = _chosen(sizes, unit_mm, scale, sheet)
+    paddings = np.array([shape.plan_padding.sum(axis=0), *[PADDING.sum(axis=0)] * (len(sizes) - 1)])
+    name, found, rows = _chosen(sizes, paddings, unit_mm, scale, sheet)
     k = unit_mm / found
     sides = {"South": -upwards, "East": _east(upwards), "North": upwards, "West": -_east(upwards)}
     views = [plan(shape, k, interval, cuts, upwards), *(section(shape, k, cut) for cut in cuts)]
@@ -242,15 +243,17 @@ def _cuts(shape: Shape, sections: Optional[Sequence[Sequence[float]]]) -> list[C
 
 
 def _sizes(shape: Shape, cuts: Sequence[Cut], north: FloatArray) -> FloatArray:
-    """Return the widths and heights of all views without their annotations [L], in the order of the sheet."""
+    """Return the widths and heights of all views without their annotations [L], in the order of the sheet, the plan first."""
     used = shape.vertices[np.unique(shape.faces)]
     height = float(shape.high[2] - shape.low[2])
     ways = [*(cut.along for cut in cuts), *(np.array([_east(north), north, _east(north), north]))]
     return np.array([(shape.high - shape.low)[:2], *((np.ptp(used[:, :2] @ way), height) for way in ways)])
 
 
-def _chosen(sizes: FloatArray, unit_mm: float, scale: Optional[int], sheet: Optional[str]) -> tuple[str, int, list[list[int]]]:
-    """Return the sheet, the scale, and the views of each row."""
+def _chosen(
+    sizes: FloatArray, paddings: FloatArray, unit_mm: float, scale: Optional[int], sheet: Optional[str]
+) -> tuple[str, int, list[list[int]]]:
+    """Return the sheet, the scale, and the views of each row, for sizes (k, 2) [L] with room around them (k, 2) [mm]."""
     if sheet is not None and sheet not in SHEETS:
         raise CGCError(f"the sheet must be one of {', '.join(SHEETS)}, not {sheet!r:.20}")
     if scale is not None and not scale > 0:
@@ -258,12 +261,12 @@ def _chosen(sizes: FloatArray, unit_mm: float, scale: Optional[int], sheet: Opti
     names = [sheet] if sheet else list(SHEETS) if scale else [DEFAULT_SHEET]
     for name in names:
         for found in SCALES if scale is None else (scale,):
-            rows = _rows(unit_mm / found * sizes + PADDING.sum(axis=0), SHEETS[name])
+            rows = _rows(unit_mm / found * sizes + paddings, SHEETS[name])
             if rows is not None:
                 return name, found, rows
     if scale is None:
         raise CGCError(f"the {len(sizes)} views do not fit on {names[0]} at any scale; use a larger sheet, or draw fewer sections")
-    fits = next((own for own in SCALES if _rows(unit_mm / own * sizes + PADDING.sum(axis=0), SHEETS[names[-1]]) is not None), None)
+    fits = next((own for own in SCALES if _rows(unit_mm / own * sizes + paddings, SHEETS[names[-1]]) is not None), None)
     remedy = "draw fewer sections" if fits is None else f"use 1:{fits}"
     raise CGCError(f"at 1:{scale} the views do not fit on {names[-1]}; {remedy}{'' if sheet is None else ', or a larger sheet'}")
 

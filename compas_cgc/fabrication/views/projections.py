@@ -32,11 +32,14 @@ from .marks import letters
 from .marks import outside
 from .notes import region_labels
 from .notes import support_heights
+from .setting_out import chain
+from .setting_out import set_out
 
 __all__ = ["PADDING", "Cut", "Shape", "elevation", "plan", "section"]
 
 PADDING = np.array([[24.0, 24.0], [14.0, 14.0]])  # of a view: left and below, right and above [mm]
 DIMENSION_AT = 14.0  # distance of dimensions from the plan [mm]
+CHAIN_AT, CHAIN_ROOM = 12.0, 6.0  # distance of chains of dimensions from the plan, and by how much the whole ones are farther off [mm]
 SUPPORT_SIZE = 2.4  # of the symbol of a single support [mm]
 LETTER_AT = 7.0  # distance of the ends of section lines from the plan [mm]
 NORTH_LENGTH = 9.0  # [mm]
@@ -73,6 +76,18 @@ class Shape:
     def number(self, length: float) -> str:
         """Return a length in the units of the drawing as text, to the millimetre."""
         return f"{length:.{self.digits}f}"
+
+    @cached_property
+    def chains(self) -> list[FloatArray]:
+        """Distances from the left and from the top at which dimensions of a chain meet, to the millimetre [L]; empty without chains."""
+        from_corner = (set_out(self)[:, :2] - [self.low[0], self.high[1]]) * [1.0, -1.0]
+        found = [np.unique(np.round(own, self.digits)) for own in from_corner.T]
+        return found if max(map(len, found)) > 2 else []
+
+    @cached_property
+    def plan_padding(self) -> FloatArray:
+        """Room of the plan: left and below, right and above (2, 2) [mm]."""
+        return PADDING + (CHAIN_ROOM * np.array([[1.0], [0.0]]) if self.chains else 0.0)
 
     def levels(self, interval: float) -> list[float]:
         """Return the multiples of an interval between the lowest and the highest point."""
@@ -143,16 +158,16 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
     north
         ``(2,)`` direction of north in plan.
     """
-    origin = shape.low[:2]
+    origin, padding = shape.low[:2], shape.plan_padding
 
     def put(points: FloatArray) -> FloatArray:
-        return scale * (points[:, :2] - origin) + PADDING[0]
+        return scale * (points[:, :2] - origin) + padding[0]
 
     size = scale * (shape.high - shape.low)[:2]
     lines: list[Line] = []
     ends = [[put(at[None])[0] for at in _across(cut, shape)] for cut in cuts]
-    low, high = PADDING[0], PADDING[0] + size
-    middle = np.array([high[0] + PADDING[1, 0] - 5.0, high[1] + PADDING[1, 1] - 6.0])
+    low, high = padding[0], padding[0] + size
+    middle = np.array([high[0] + padding[1, 0] - 5.0, high[1] + padding[1, 1] - 6.0])
     arrow_room = Label("TEXT", "N", middle, NORTH_LENGTH + 2.0 * TEXT_HEIGHT)
     edges = _segments([put(shape.vertices[path]) for path in (*shape.outlines, *shape.creases)])
     labels = region_labels(shape, put(shape.vertices), edges)
@@ -201,14 +216,20 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
         for at in (start, end):
             lines += arrow(at, at + 4.0 * towards, "SECTION")
             labels.append(Label("SECTION", cut.letter, at - 2.4 * towards, 1.4 * TEXT_HEIGHT))
-    for start, end, own in ((low, [high[0], low[1]], size[0]), ([low[0], high[1]], low, size[1])):
-        drawn, label = dimension(np.array(start), np.array(end), shape.number(own / scale), DIMENSION_AT)
+    for axis, start, along in ((0, low, np.array([1.0, 0.0])), (1, np.array([low[0], high[1]]), np.array([0.0, -1.0]))):
+        beside = DIMENSION_AT + (CHAIN_ROOM if shape.chains else 0.0)
+        drawn, label = dimension(start, start + size[axis] * along, shape.number(size[axis] / scale), beside)
         lines += drawn
         labels.append(label)
+        places = shape.chains[axis] if shape.chains else []
+        if len(places) > 2:
+            parts, texts = chain(scale * places, [shape.number(own) for own in np.diff(places)], start, along, CHAIN_AT)
+            lines += parts
+            labels += texts
     way = north / np.linalg.norm(north)
     lines += arrow(middle - 0.5 * NORTH_LENGTH * way, middle + 0.5 * NORTH_LENGTH * way, "FRAME")
     labels.append(Label("TEXT", "N", middle + (0.5 * NORTH_LENGTH + 2.2) * way))
-    return _named("Plan", lines, labels, size)
+    return _named("Plan", lines, labels, size + padding.sum(axis=0))
 
 
 def _segments(lines: Sequence[FloatArray]) -> FloatArray:
@@ -307,11 +328,10 @@ def _upright(name: str, shape: Shape, scale: float, along: FloatArray, drawn: Se
             mark, label = height_mark(np.array([PADDING[0, 0] - 3.0, level]), shape.number(height + 0.0))
             lines += mark
             labels.append(label)
-    return _named(name, lines, labels, size)
+    return _named(name, lines, labels, size + PADDING.sum(axis=0))
 
 
-def _named(name: str, lines: list[Line], labels: list[Label], size: FloatArray) -> View:
-    """Return a view with its name below."""
-    whole = size + PADDING.sum(axis=0)
+def _named(name: str, lines: list[Line], labels: list[Label], whole: FloatArray) -> View:
+    """Return a view of a size with its name below."""
     title = Label("TEXT", name, np.array([0.5 * whole[0], 3.0]), 1.4 * TEXT_HEIGHT)
     return View(name, lines, [*labels, title], whole)

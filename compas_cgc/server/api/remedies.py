@@ -14,6 +14,7 @@ from ...errors import FINER
 from ...errors import HALF
 from ...errors import HALVED
 from ...errors import Remedy
+from ...model.inward_edges import dividing_creases
 from ...model.measures import has_free_edges
 from ...model.measures import inward_supports
 from ...model.problem import CGCProblem
@@ -40,6 +41,11 @@ CHANGE = {
     "limit": {"const": True, "description": "search for the largest feasible K, and use a little less"},
     "unknown": {"const": "all"},
     "without": {"type": "string", "description": "kind of a goal to remove"},
+    "creases": {
+        "type": "array",
+        "items": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}, "minItems": 2},
+        "description": "lines in plan along which the surface may fold, of a new mesh [L]",
+    },
     "flip": {"const": True, "description": "reverse all faces"},
     "edge_length": {"type": "number", "description": "edge length of a new mesh [L]"},
     "edge_scale": {"type": "number", "description": "factor of the edge length of a new mesh"},
@@ -65,6 +71,7 @@ TEXTS: dict[str, Callable[[Any], str]] = {
     "limit": lambda _: "Set the largest feasible K",
     "unknown": lambda _: "Let K be found",
     "without": lambda kind: f"Remove the {GOALS.get(kind, kind)}",
+    "creases": lambda lines: "Draw a crease from the inward corner" if len(lines) == 1 else "Draw creases from the inward corners",
     "flip": lambda _: "Flip the faces",
     "edge_length": "Use an edge length of {:g}".format,
     "edge_scale": lambda factor: "Mesh finer" if factor < 1.0 else "Mesh coarser",
@@ -96,11 +103,12 @@ def remedies_of(problem: CGCProblem, result: SolveResult, messages: Iterable[str
 def _usual(problem: CGCProblem, known: bool) -> Iterator[Remedy]:
     """Yield what often helps; `known` is whether a message states how much smaller K must be."""
     targets = problem.targets[problem.asked]
+    if (targets > 0.0).all() and (inward := inward_supports(problem)):
+        yield Remedy("release", inward)
+    yield from dividing_creases(problem.without_dummies())
     if np.isfinite(targets).all() and targets.any() and not known:
         yield Remedy("limit", True)
         yield HALVED
-    if (targets > 0.0).all() and (inward := inward_supports(problem)):
-        yield Remedy("release", inward)
     if has_free_edges(problem):
         yield Remedy("supports", "boundary")
     yield FINER

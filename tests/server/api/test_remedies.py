@@ -120,6 +120,30 @@ def test_a_support_at_an_inward_corner_is_freed():
     assert not any("release" in own for own in changes(remedies_of(problem.with_targets(-0.02), began)))
 
 
+@pytest.mark.parametrize("free", [None, 9.0], ids=["held all round", "one side free"])
+def test_walls_that_meet_at_an_inward_corner_get_a_crease_from_it(free):
+    outline = [[0, 0], [14, 0], [14, 5], [6, 5], [6, 11], [0, 11]]
+
+    def posed(creases=()):
+        mesh = CGCMesh.from_outline(outline, creases=[[[*point, 0.0] for point in line] for line in creases], edge_length=1.0)
+        problem = mesh.to_problem().with_supports("boundary")
+        x, y, _ = problem.vertices.T
+        # The side from the inward corner on is free, if one is.
+        held = [v for v in problem.supports.tolist() if free is None or not (y[v] == 5.0 and 6.0 < x[v] < 14.0)]
+        return problem.with_supports(held).with_targets(0.004)
+
+    problem = posed()
+    result = solve(problem)
+    assert not (result.converged and result.verdict.fair)
+    (change,) = [own for own in changes(remedies_of(problem, result, check(problem))) if "creases" in own]
+    ((start, end),) = change["creases"]
+    assert start == pytest.approx([6.0, 5.0]) and end == pytest.approx([6.0, 0.0])
+    mended = solve(posed(change["creases"]))
+    assert mended.converged and mended.verdict.fair
+    # A saddle may have inward corners.
+    assert not any("creases" in own for own in changes(remedies_of(problem.with_targets(-0.004), result)))
+
+
 def test_goals_that_contradict_supports_are_freed_or_removed():
     mesh = square(0.005, "boundary", 4)
     mesh.set_goals([Height([0], 1.0)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -54,3 +55,23 @@ def test_a_button_allows_more_steps_after_the_step_limit(tmp_path):
         assert hands.text(".remedies button") == "Allow 10 steps"
         hands.click(".remedies button")
         wait_for(lambda: hands.text(".verdict h2") not in ("", "Step limit reached") and not hands.shown(BUSY), what="ten are not")
+
+
+def test_a_button_draws_a_crease_from_an_inward_corner(tmp_path):
+    outline = [[0, 0], [14, 0], [14, 5], [6, 5], [6, 11], [0, 11]]
+    sketch = {"name": "Hall", "unit": "m", "edge_length": 1.0, "outline": outline}
+    plan = {"unit": "m", "edge": 1.0, "columns": [], "lines": [{"points": outline, "closed": True, "held": [0, 1, 2, 3, 4, 5]}]}
+    opened = OPEN.replace("plan: null", f"plan: {json.dumps(plan)}")
+    with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
+        hands.open(f"{server.url}/#new")
+        hands.seen(".example")
+        hands.read(opened, sketch, 0.004)
+        hands.seen("#solve")
+        hands.click("#solve")
+        wait_for(lambda: hands.text(".verdict h2") not in ("", "Target reached") and not hands.shown(BUSY), what="the surface is not rough")
+        label = "Draw a crease from the inward corner"
+        hands.read(
+            "[...document.querySelectorAll('.remedies button')].find((each) => each.textContent === args[0]).click(); return true", label
+        )
+        wait_for(lambda: hands.text(".verdict h2") == "Target reached" and not hands.shown(BUSY), what="the surface is still rough")
+        assert not hands.shown(".remedies") and hands.complaints() == []

@@ -55,7 +55,7 @@ function actOf(studio, change) {
     studio.edit(changed);
     studio.solving.begin();
   };
-  if (change.edge_length || change.edge_scale) return meshing(studio, change);
+  if (change.edge_length || change.edge_scale || change.creases) return meshing(studio, change);
   if (!studio.data) return null;
   if (change.limit) {
     return async () => {
@@ -66,14 +66,15 @@ function actOf(studio, change) {
   return changed(studio.data, change) && (() => solve(changed(studio.data, change)));
 }
 
-/** Return what meshes the drawing with another edge length, null without a drawing. */
-function meshing(studio, { edge_length: length, edge_scale: factor }) {
+/** Return what meshes the drawing with another edge length or further creases, null without a drawing. */
+function meshing(studio, { edge_length: length, edge_scale: factor = 1, creases = [] }) {
   const { plan, name } = studio.history.now;
   if (!plan) return null;
-  const edge = length ?? requestOf(plan, name || 'Roof').edge_length * factor;
+  const edge = rounded(length ?? requestOf(plan, name || 'Roof').edge_length * factor);
+  const lines = [...plan.lines, ...creases.map((points) => ({ points, closed: false, held: [] }))];
   return async () => {
     const { solving } = studio;
-    studio.draw({ plan: { ...plan, edge: rounded(edge) } });
+    studio.draw({ plan: { ...plan, edge, lines } });
     await studio.mesh();
     if (studio.history.now.stage === 'shape' && !solving.solver.busy) solving.begin();
   };

@@ -86,6 +86,7 @@ export interface Remedy {
     limit?: boolean;
     unknown?: string;
     without?: string;
+    creases?: number[][][];
     flip?: boolean;
     edge_length?: number;
     edge_scale?: number;

@@ -16,5 +16,7 @@ export async function meshed(api, { plan, name, data: old }) {
   for (const [k, vertex] of data.columns.entries()) if (vertex >= 0 && plan.columns[k].height) data = withHeight(data, [vertex], plan.columns[k].height);
   if (!old) return data;
   const alike = old.targets.length === data.targets.length;
-  return { ...data, wishes: old.wishes, method: old.method, settings: old.settings, ...(alike ? { targets: old.targets, names: old.names, colours: old.colours } : {}) };
+  // Regions that a crease divides keep their K, where there is only one.
+  const same = old.targets.every((/** @type {number} */ K) => K === old.targets[0]) ? { targets: data.targets.map(() => old.targets[0]) } : {};
+  return { ...data, wishes: old.wishes, method: old.method, settings: old.settings, ...(alike ? { targets: old.targets, names: old.names, colours: old.colours } : same) };
 }
