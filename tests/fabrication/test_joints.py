@@ -7,7 +7,9 @@ import pytest
 
 import compas_cgc
 from compas_cgc import CGCError
+from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
+from compas_cgc import solve
 from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import curve_net
@@ -126,3 +128,21 @@ def test_panels_lie_between_the_curves_of_a_net():
     found = panels(problem, curves=net)
     assert len(found) > 10
     assert np.median(middles(problem, found)[:, 0]) < 1.5**2
+
+
+def test_pieces_of_a_symmetric_roof_are_symmetric_without_short_seams():
+    outline, creases = [[0, 0], [16, 0], [16, 16], [0, 16]], [[[8, 0, 0], [8, 16, 0]], [[0, 8, 0], [16, 8, 0]]]
+    problem = CGCMesh.from_outline(outline, 0.8, creases=creases).to_problem()
+    x, y, _ = problem.vertices.T
+    held = np.isin(x, [0, 8, 16]) & np.isin(y, [0, 8, 16]) & ~((x == 8) & (y == 8))
+    roof = solve(problem.with_supports(np.flatnonzero(held).tolist()).with_targets(0.008))
+    patterns = unroll(roof, (3.0, 1.5), allowance=0.02)
+    assert all(seam.length >= 0.1 for seam in patterns.seams) and "shorter than" not in str(patterns)
+    assert len({sum(piece.region == region for piece in patterns.pieces) for region in range(4)}) == 1
+    own = patterns.patchwork
+    boxes = [own.space[own.faces[own.piece == k]][..., :2].reshape(-1, 2) for k in range(len(patterns.pieces))]
+    middles = np.array([0.5 * (box.min(axis=0) + box.max(axis=0)) for box in boxes]) - 8.0
+    # The triangles are not symmetric, so that joints are about as far apart as the grid follows them.
+    for mirror in ([-1.0, 1.0], [1.0, -1.0]):
+        off = np.linalg.norm(middles[:, None] - mirror * middles, axis=2)
+        assert off.min(axis=1).max() < 0.1

@@ -60,6 +60,7 @@ class _Layout(NamedTuple):
     """Polygons of a region between lines, and its mesh."""
 
     polygons: Polygons
+    plane: Optional[Polygons]  # the same as plane faces, None until they are computed
     coarse: tuple[Vertices, Faces]  # the mesh of the surface
     fine: tuple[Vertices, Faces]  # and as it was divided
     loops: list[IntArray]  # its rims
@@ -156,21 +157,35 @@ def _laid_out(vertices: Vertices, faces: Faces, K: Optional[float], spacing: flo
         density, typical = np.ones(len(triangles)), K
         sides = [side for loop, own in zip(loops, turns) for side in _sides(loop, own)]
     # Directions vary much near point supports and corners of held rims, which adds singularities where lines would end.
-    tried = list[tuple[tuple[bool, int, float], _Layout]]()
+    tried, doubtful = list[tuple[tuple[bool, int, float], _Layout]](), list[_Layout]()
     for length in SMOOTHING:
         field = cross_field(fine, triangles, S, typical, length * spacing)
         found = extracted(fine, triangles, parametrised(fine, triangles, field, spacing, sides, density), spacing, kinks)
-        if found.faces and all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
-            own = _Layout(found, (V, F), (fine, triangles), loops)
-            plane = _finished(own, spacing)[0]
-            ends, gap = dead_ends(plane.vertices, polygon_edges(plane.faces), plane.rim), gaps(plane.vertices, plane.faces).max()
-            warped = bool(gap > FLATNESS * spacing)
-            tried.append(((warped, ends, float(gap)), own))
-            if not warped and ends == 0:
-                break
+        if not found.faces or not all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
+            continue
+        own = _Layout(found, None, (V, F), (fine, triangles), loops)
+        # Lines that end inside before faces are plane mostly do so afterwards, so that another smoothing is tried first.
+        if _dead_ends(merged(found, SHORTEST * spacing)):
+            doubtful.append(own)
+            continue
+        tried.append(_judged(own, spacing))
+        if tried[-1][0][:2] == (False, 0):
+            return tried[-1][1]
+    tried += [_judged(own, spacing) for own in doubtful]
     if not tried:
         raise CGCError(f"singularities of region {region} lie too close together for lines {spacing:.3g} apart; use a smaller spacing")
     return min(tried, key=lambda each: each[0])[1]
+
+
+def _judged(own: _Layout, spacing: float) -> tuple[tuple[bool, int, float], _Layout]:
+    """Return whether faces are warped, the number of lines that end inside and the largest gap [L], and the layout with plane faces."""
+    plane = _plane(own, spacing)
+    gap = float(gaps(plane.vertices, plane.faces).max())
+    return (gap > FLATNESS * spacing, _dead_ends(plane), gap), own._replace(plane=plane)
+
+
+def _dead_ends(own: Polygons) -> int:
+    return dead_ends(own.vertices, polygon_edges(own.faces), own.rim)
 
 
 def _symmetric(problem: CGCProblem, layouts: list[_Layout], spacing: float) -> list[_Layout]:
@@ -178,9 +193,11 @@ def _symmetric(problem: CGCProblem, layouts: list[_Layout], spacing: float) -> l
     first = np.cumsum([0, *(len(own.polygons.vertices) for own in layouts)])
     points = np.vstack([own.polygons.vertices for own in layouts])
     faces = [[int(start) + vertex for vertex in face] for start, own in zip(first, layouts) for face in own.polygons.faces]
-    points = symmetrised(points, faces, *_outer(problem), spacing)
-    parts = np.split(points, first[1:-1])
-    return [own._replace(polygons=own.polygons._replace(vertices=part)) for own, part in zip(layouts, parts)]
+    moved = symmetrised(points, faces, *_outer(problem), spacing)
+    if moved is points:
+        return layouts
+    parts = np.split(moved, first[1:-1])
+    return [own._replace(polygons=own.polygons._replace(vertices=part), plane=None) for own, part in zip(layouts, parts)]
 
 
 def _outer(problem: CGCProblem) -> tuple[Vectors, Vertices]:
@@ -194,15 +211,20 @@ def _outer(problem: CGCProblem) -> tuple[Vectors, Vertices]:
 
 
 def _finished(own: _Layout, spacing: float) -> tuple[Polygons, FloatArray]:
-    """Return plane polygons without short sides at the rim, and the distances of their corners from the mesh."""
+    """Return plane polygons without short sides at the rim, and the distances of their corners from the mesh [L]."""
+    polygons = own.plane or _plane(own, spacing)
+    return polygons, np.linalg.norm(polygons.vertices - nearest_on_mesh(polygons.vertices, *own.coarse)[0], axis=1)
+
+
+def _plane(own: _Layout, spacing: float) -> Polygons:
+    """Return plane polygons without short sides at the rim."""
     polygons = merged(own.polygons, SHORTEST * spacing)
     while True:
         count, points = len(polygons.vertices), planarised(polygons, *own.fine, own.loops)
         # Corners slide towards kinks of held rims, where the curvature is unbounded.
         polygons = merged(polygons._replace(vertices=points), SHORTEST * spacing)
         if len(polygons.vertices) == count:
-            break
-    return polygons, np.linalg.norm(points - nearest_on_mesh(points, *own.coarse)[0], axis=1)
+            return polygons
 
 
 def _density_of_squares(vertices: Vertices, faces: Faces, operators: FloatArray, region: int) -> tuple[FloatArray, float]:

@@ -10,7 +10,6 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Vectors
 from ...discrete.arrays import Vertices
-from ...discrete.normals import vertex_normals
 from ...linalg import factorise
 from ...meshing.closest_on_mesh import nearest_on_mesh
 from ...meshing.closest_points import feet_on_polyline
@@ -67,11 +66,11 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
     graph = sparse.coo_matrix((np.ones(2 * len(edges)), (edges.T.ravel(), edges[:, ::-1].T.ravel())), shape=(n, n)).tocsr()
     shape = sparse.kron(sparse.identity(n) - sparse.diags(1.0 / degree) @ graph, np.eye(3), format="csr")
     weight = np.where(own.kinks, KINK_WEIGHT, np.where(own.rim, RIM_WEIGHT, 1.0))
-    points, smooth = start, vertex_normals(vertices, faces)
+    points = start
     fair, stay = FAIR_WEIGHT**2 * (shape.T @ shape), STAY_WEIGHT**2 * sparse.identity(3 * n)
     curves = [vertices[np.append(rim, rim[0])] for rim in rims]
     for _ in range(STEPS):
-        off, blocks = _aims(points, own, start, vertices, faces, smooth, curves)
+        off, blocks = _aims(points, own, start, vertices, faces, curves)
         close = sparse.block_diag(list(weight[:, None, None] ** 2 * blocks), format="csr")
         gap, slopes = _diagonals(points, quadruples)
         matrix = PLANE_WEIGHT**2 * (slopes.T @ slopes) + close + fair + stay
@@ -84,7 +83,7 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
 
 
 def _aims(
-    points: Vectors, own: Polygons, start: Vectors, vertices: Vertices, faces: Faces, smooth: Vectors, curves: list[Vectors]
+    points: Vectors, own: Polygons, start: Vectors, vertices: Vertices, faces: Faces, curves: list[Vectors]
 ) -> tuple[Vectors, FloatArray]:
     """Return displacements (k, 3) from the aims of corners, and the projections (k, 3, 3) on the directions that count."""
     feet, normals = nearest_on_mesh(points, vertices, faces)

@@ -37,7 +37,7 @@ class _Image(NamedTuple):
 
 
 def symmetrised(points: Vectors, faces: _Faces, kinks: Vectors, rim: Vertices, spacing: float) -> Vectors:
-    """Return corners of polygons (k, 3) moved to the means of their images under the symmetries of the layout.
+    """Return corners of polygons (k, 3) moved to the means of their images under the symmetries of the layout; themselves without any.
 
     Parameters
     ----------
@@ -61,6 +61,8 @@ def symmetrised(points: Vectors, faces: _Faces, kinks: Vectors, rim: Vertices, s
         if to is not None:
             images.append(_Image(matrix, to))
     group = _largest_group(images)
+    if len(group) == 1:
+        return points
     return np.asarray(middle + np.mean([arms[own.to] @ own.matrix for own in group], axis=0))
 
 

@@ -115,8 +115,8 @@ def draw_views(
 ) -> ViewSheet:
     """Draw the plan, sections and elevations of a surface to scale on one sheet.
 
-    The plan shows outlines, creases, regions with their K, contour lines, and supports with their heights. Sections show the cut and what
-    is visible beyond; elevations show the visible outlines, creases and silhouettes from the south, east, north and west.
+    The plan shows outlines, creases, regions with their K, contour lines, supports with their heights, and dimensions. Sections show the
+    cut and what is visible beyond; elevations show the visible outlines, creases and silhouettes from the south, east, north and west.
 
     Parameters
     ----------
