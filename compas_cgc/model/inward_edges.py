@@ -26,6 +26,9 @@ DIRECTIONS = (0.5, 0.25, 0.75)  # directions of lines through a vertex, as weigh
 LEVEL_TOLERANCE = 1e-6  # height relative to the size of the mesh that counts as zero
 
 
+_Crease = list[list[float]]  # both ends in plan [L]
+
+
 class _Line(NamedTuple):
     """A straight line in plan through a supported boundary vertex, up to the next supported edges on both sides."""
 
@@ -54,7 +57,10 @@ def dividing_creases(problem: CGCProblem) -> list[Remedy]:
     Many of them have no fair surface although those that :func:`inward_edges` names are excluded for certain.
     """
     convex = [region for region, K in enumerate(problem.region_targets()) if K is not None and K > 0.0]
-    lines = [line for region in convex for own in _dividing(problem, problem.faces[problem.regions() == region]) for line in own.value]
+    return _as_remedies([line for region in convex for line in _dividing(problem, problem.faces[problem.regions() == region])])
+
+
+def _as_remedies(lines: list[_Crease]) -> list[Remedy]:
     return [Remedy("creases", lines)] if lines else []
 
 
@@ -69,7 +75,7 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[Sentence]:
     digits = 2 - int(np.floor(np.log10(size))) if size > 0.0 else 0
     over = max(lines, key=lambda line: line.over, default=None)
     under = min(lines, key=lambda line: line.over, default=None)
-    mend = Sentence("draw a crease to that corner, round it and free it there, or move it", _dividing(problem, faces))
+    mend = Sentence("draw a crease to that corner, round it and free it there, or move it", _as_remedies(_dividing(problem, faces)))
     if level is not None:
         turn, (one, other) = np.degrees(level.turn), (_place(end, digits) for end in level.ends)
         return Sentence(
@@ -92,8 +98,8 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[Sentence]:
     ).format(mend)
 
 
-def _dividing(problem: CGCProblem, faces: IntArray) -> list[Remedy]:
-    """Return the remedy that divides a region by a line in plan from every sharp reentrant corner of its supported boundary.
+def _dividing(problem: CGCProblem, faces: IntArray) -> list[_Crease]:
+    """Return lines in plan that divide a region, from every sharp reentrant corner of its supported boundary.
 
     A line continues one of the two sides there, the one that makes it shorter, up to the boundary.
     """
@@ -102,7 +108,7 @@ def _dividing(problem: CGCProblem, faces: IntArray) -> list[Remedy]:
     at = _turning(V, held, rim, sides=1)
     if at is None:
         return []
-    lines: list[list[list[float]]] = []
+    lines: list[_Crease] = []
     for k in np.flatnonzero(at.turn > MIN_CORNER).tolist():
         corner = V[at.middle[k], :2]
         ways = at.behind[k], -at.ahead[k]
@@ -113,7 +119,7 @@ def _dividing(problem: CGCProblem, faces: IntArray) -> list[Remedy]:
         # Two corners that face each other have one line.
         if not any(np.allclose(line[::-1], other) for other in lines):
             lines.append(line)
-    return [Remedy("creases", lines)] if lines else []
+    return lines
 
 
 def _at(problem: CGCProblem, vertex: int, digits: int) -> str:

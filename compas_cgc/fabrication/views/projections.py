@@ -221,10 +221,10 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
         drawn, label = dimension(start, start + size[axis] * along, shape.number(size[axis] / scale), beside)
         lines += drawn
         labels.append(label)
-        places = shape.chains[axis] if shape.chains else []
+        places = shape.chains[axis] if shape.chains else np.empty(0)
         if len(places) > 2:
-            parts, texts = chain(scale * places, [shape.number(own) for own in np.diff(places)], start, along, CHAIN_AT)
-            lines += parts
+            drawn, texts = chain(scale * places, [shape.number(own) for own in np.diff(places).tolist()], start, along, CHAIN_AT)
+            lines += drawn
             labels += texts
     way = north / np.linalg.norm(north)
     lines += arrow(middle - 0.5 * NORTH_LENGTH * way, middle + 0.5 * NORTH_LENGTH * way, "FRAME")
