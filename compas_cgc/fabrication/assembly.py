@@ -8,6 +8,8 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..errors import names_what_was_meant
+from ..meshing.polyline import arc_lengths
+from ..meshing.polyline import point_at
 from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
@@ -18,6 +20,9 @@ from .drawing import overlap
 from .drawing import roomiest
 from .drawing import text_box
 from .figures import in_mm
+from .leaders import LED
+from .leaders import READABLE
+from .leaders import led_aside
 from .legend import with_legend
 from .patterns import Patterns
 from .patterns import refuse_others
@@ -31,7 +36,7 @@ MEANINGS = {
     "OUTLINE": "edges of the pieces",
     "LABEL": "name of the piece (A1 in region 0, B1 in region 1 and so on, or as the panel of the moulds), and in brackets its course: 1 "
     "for pieces on supports, 2 for their neighbours, and so on",
-    "SEAM": "number of the seam, as on the sheets, beside it",
+    "SEAM": "number of the seam, as on the sheets, beside it, or with a line to a short seam",
 }
 
 
@@ -129,14 +134,22 @@ def draw_plan(patterns: Patterns) -> Drawing:
         place, room = roomiest(free if len(free) else plan[own.faces[own.piece == number]].mean(axis=1), loops)
         name = f"{piece.label} ({course})"
         texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER_WIDTH * len(name))))))
-    boxes = [text_box(own.text, own.place, own.height) for own in texts]
-    for seam in patterns.seams:
-        length = float(np.linalg.norm(np.diff(plan[seam.nodes], axis=0), axis=1).sum())
-        text, small = str(seam.number), min(0.4 * height, SEAM_TEXT * length)
+    boxes, middles = [text_box(own.text, own.place, own.height) for own in texts], [own.place for own in texts]
+    sides = np.concatenate([np.stack([line.points, np.roll(line.points, -1, axis=0)], axis=1) for line in lines])
+    usual = 0.4 * height
+    lengths = [float(arc_lengths(plan[seam.nodes])[-1]) for seam in patterns.seams]
+    # Numbers of short seams are led to what room the others leave.
+    for length, seam in sorted(zip(lengths, patterns.seams), key=lambda each: SEAM_TEXT * each[0] < READABLE * usual):
+        text, small, leader = str(seam.number), min(usual, SEAM_TEXT * length), list[Line]()
         places = _beside(plan[seam.nodes], text, small)
         place = next((own for own in places if not any(overlap(text_box(text, own, small), box) for box in boxes)), places[0])
-        texts.append(Text("SEAM", text, place, small))
-        boxes.append(text_box(text, place, small))
+        label = Text("SEAM", text, place, small)
+        if small < READABLE * usual:
+            foot = point_at(plan[seam.nodes], np.array([0.5 * length]))[0]
+            leader, label = led_aside(label, foot, middles[seam.pieces[0]], LED * usual, sides, boxes)
+        lines += leader
+        texts.append(label)
+        boxes.append(text_box(text, label.place, label.height))
     title = f"plan of {len(patterns.pieces)} pieces with courses from the supports in brackets, and seam numbers"
     texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
     units = patterns.problem.drawing.units

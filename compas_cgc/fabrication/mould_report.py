@@ -206,7 +206,7 @@ class MouldReport:
                 f"{self.edges} of the moulds",
                 K_MEANING,
                 *(line for own in self.moulds for line in self._lines(own)),
-                f"bending stress on 95 % of the area: at most {_two_digits(self.stress_95)} MPa",
+                f"bending stress on 95 % of the area: at most {_two_digits(self.stress_95)} MPa{self._elsewhere()}",
                 *self._singular(),
                 *self._short(),
                 f"panels are drawn as flat triangles, whose edges lie up to {_length(max(own.sag for own in self.panels))} from the smooth "
@@ -242,6 +242,13 @@ class MouldReport:
             f"of constant K, use sheets of at most {thinner}{how}"
         ]
 
+    def _elsewhere(self) -> str:
+        """Return the stress without the panels whose stress depends on the mesh, empty without such panels or others."""
+        others = [own for own in self.panels if not own.singular]
+        if not 0 < len(others) < len(self.panels):
+            return ""
+        return f", {_two_digits(_percentile_95(others))} MPa without the panels in which it depends on the mesh"
+
     def _singular(self) -> list[str]:
         names = [own.panel.name for own in self.panels if own.singular]
         if not names:
@@ -250,7 +257,7 @@ class MouldReport:
         return [
             "curvature is unbounded at point supports, corners of held edges, straight held edges (K > 0), ends, crossings and kinks of "
             "creases, and creases between hills and bowls, so that the largest stress depends on the mesh in "
-            f"{where}; judge these by the stress on 95 % of their area"
+            f"{where}; judge these by the stress on 95 % of their area, on a mesh whose triangles are smaller than a twentieth of a panel"
         ]
 
     def _short(self) -> list[str]:

@@ -13,6 +13,8 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import names_what_was_meant
+from ..meshing.polyline import arc_lengths
+from ..meshing.polyline import point_at
 from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
@@ -24,6 +26,10 @@ from .drawing import roomiest
 from .drawing import text_box
 from .figures import in_mm
 from .figures import metres
+from .leaders import LED
+from .leaders import READABLE
+from .leaders import crosses
+from .leaders import led_aside
 from .legend import outside_is_above
 from .legend import outside_note
 from .legend import with_legend
@@ -50,7 +56,7 @@ MEANINGS = {
     "line; away: the piece beside the line bends away from the viewer, towards: to the viewer",
     "MARK": "tick to engrave; it lies against the tick of the same seam on the neighbouring piece",
     "LABEL": "name of the piece, to engrave",
-    "SEAM": "number of the seam / name of the piece beyond it; sides without one are edges of the roof",
+    "SEAM": "number of the seam / name of the piece beyond it, with a line to short seams; sides without one are edges of the roof",
     "NODE": "number of the node, as in the table of edges; not engraved",
     "SHEET": "edge of the sheet and its title; not cut",
 }
@@ -146,18 +152,32 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             origin = origins[patterns.pieces[ruling.piece].sheet]
             lines.append(Line("RULING", ruling.points + origin))
             texts += _radius(patterns, ruling, height, origin, taken[ruling.piece])
+    numbers = list[tuple[int, Seam, int, Text]]()
     for seam in patterns.seams:
-        for side in (0, 1):
-            if patterns.pieces[seam.pieces[side]].sheet not in origins:
+        for side, number in enumerate(seam.pieces):
+            if patterns.pieces[number].sheet not in origins:
                 continue
-            origin = origins[patterns.pieces[seam.pieces[side]].sheet]
             mate = patterns.pieces[seam.pieces[1 - side]].label
             marks, text = _seam_marks(seam, side, mate, mark, height)
-            lines += [Line("MARK", points + origin) for points in marks]
-            texts.append(text._replace(place=text.place + origin))
+            lines += [Line("MARK", points + origins[patterns.pieces[number].sheet]) for points in marks]
+            numbers.append((number, seam, side, text))
+            if text.height >= READABLE * height:
+                taken[number].append(text_box(text.text, text.place, text.height))
+    for number, seam, side, text in numbers:
+        piece, leader = patterns.pieces[number], list[Line]()
+        if text.height < READABLE * height:
+            foot, middle = point_at(seam.sides[side], 0.5 * arc_lengths(seam.sides[side])[-1:])[0], labels[number].mean(axis=0)
+            leader, text = led_aside(text, foot, middle, LED * height, _sides([loop.points for loop in piece.loops]), taken[number])
+        lines += [own._replace(points=own.points + origins[piece.sheet]) for own in leader]
+        texts.append(text._replace(place=text.place + origins[piece.sheet]))
     size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
     drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
     return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
+
+
+def _sides(loops: list[FloatArray]) -> FloatArray:
+    """Return the segments of closed loops (k, 2, 2)."""
+    return np.concatenate([np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops])
 
 
 def _title(patterns: Patterns, number: int) -> str:
@@ -209,7 +229,7 @@ def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArra
     radius = 1e3 * metres(patterns.problem.drawing.units) / abs(ruling.bending) if ruling.bending else np.inf
     text = f"R {radius:.0f} {'away' if ruling.bending > 0.0 else 'towards'}" if np.isfinite(radius) else "flat"
     loops = [loop.points for loop in patterns.pieces[ruling.piece].loops]
-    sides = np.concatenate([np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops])
+    sides = _sides(loops)
     length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ruling.points, axis=0), axis=1))]
     for size in height * TEXT_SIZES:
         for share in PLACES:
@@ -220,22 +240,10 @@ def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArra
                 place = foot + clearance(text, size, aside) * aside
                 box = text_box(text, place, size)
                 whole = np.array([np.minimum(box[0], foot), np.maximum(box[1], foot)])
-                if not _crosses(sides, whole).any() and not any(overlap(box, other) for other in taken):
+                if not crosses(sides, whole).any() and not any(overlap(box, other) for other in taken):
                     taken.append(box)
                     return [Text("RULING", text, place + origin, float(size))]
     return []
-
-
-def _crosses(sides: FloatArray, box: FloatArray) -> Mask:
-    """Return the mask of segments (k, 2, 2) that meet a box (2, 2)."""
-    start, step = sides[:, 0], sides[:, 1] - sides[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = (box[:, None] - start) / step  # (2, k, 2) parameters at which segments enter and leave the box along x and y
-    parallel = step == 0.0
-    within = (start >= box[0]) & (start <= box[1])
-    enter = np.where(parallel, np.where(within, 0.0, np.inf), at.min(axis=0))
-    leave = np.where(parallel, 1.0, at.max(axis=0))
-    return np.asarray(np.maximum(enter.max(axis=1), 0.0) <= np.minimum(leave.min(axis=1), 1.0))
 
 
 def folded(patterns: Patterns, fold: float = MIN_FOLD) -> Mask:

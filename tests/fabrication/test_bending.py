@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 
 import numpy as np
@@ -103,6 +104,20 @@ def test_stress_converges_under_refinement(K):
     coarse, fine = (np.array([max(fit.stress for fit in own.panels), own.stress_95]) for own in reports)
     assert coarse == pytest.approx(fine, rel=0.05)
     assert f"bending stress on 95 % of the area: at most {reports[1].stress_95:.2g} MPa" in str(reports[1])
+
+
+def test_stress_beside_a_held_wall_is_stated_apart_from_that_of_other_panels():
+    found = []
+    for edge in (1.0, 0.5):
+        mesh = CGCMesh.from_outline([[0, 0], [12, 0], [12, 6], [0, 6]], edge, creases=[[[6, 0, 0], [6, 6, 0]]])
+        problem = mesh.to_problem()
+        wall = np.flatnonzero(np.abs(problem.vertices[:, 1]) < 1e-9).tolist()
+        roof = solve(problem.with_supports(wall).with_targets(0.005)).problem
+        report = str(moulds(roof, panels(roof, 1.5), rough=True))
+        said = re.search(r"on 95 % of the area: at most (\S+) MPa, (\S+) MPa without the panels", report)
+        found.append((float(said[1]), float(said[2])))
+    (coarse, others), (fine, still) = found
+    assert fine > 1.2 * coarse and still == pytest.approx(others, rel=0.07) and others < 0.8 * coarse
 
 
 def test_panels_are_rotated_on_a_pseudosphere_to_the_least_bending_whatever_angles_are_compared(monkeypatch):

@@ -16,7 +16,12 @@ from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication.assembly import draw_plan
+from compas_cgc.fabrication.drawing import text_box
+from compas_cgc.fabrication.leaders import READABLE
 from compas_cgc.fabrication.panel_seams import panel_seams
+from compas_cgc.fabrication.sheet_drawing import MARK_LENGTH
+from compas_cgc.fabrication.sheet_drawing import draw_sheets
 
 from ..support.constant_curvature import revolved_patch
 from ..support.roofs import nine_regions
@@ -130,13 +135,18 @@ def test_panels_lie_between_the_curves_of_a_net():
     assert np.median(middles(problem, found)[:, 0]) < 1.5**2
 
 
-def test_pieces_of_a_symmetric_roof_are_symmetric_without_short_seams():
+@pytest.fixture(scope="module")
+def quarters():
+    """A roof of 16 m on eight columns, in four quarters."""
     outline, creases = [[0, 0], [16, 0], [16, 16], [0, 16]], [[[8, 0, 0], [8, 16, 0]], [[0, 8, 0], [16, 8, 0]]]
     problem = CGCMesh.from_outline(outline, 0.8, creases=creases).to_problem()
     x, y, _ = problem.vertices.T
     held = np.isin(x, [0, 8, 16]) & np.isin(y, [0, 8, 16]) & ~((x == 8) & (y == 8))
-    roof = solve(problem.with_supports(np.flatnonzero(held).tolist()).with_targets(0.008))
-    patterns = unroll(roof, (3.0, 1.5), allowance=0.02)
+    return solve(problem.with_supports(np.flatnonzero(held).tolist()).with_targets(0.008))
+
+
+def test_pieces_of_a_symmetric_roof_are_symmetric_without_short_seams(quarters):
+    patterns = unroll(quarters, (3.0, 1.5), allowance=0.02)
     assert all(seam.length >= 0.1 for seam in patterns.seams) and "shorter than" not in str(patterns)
     assert len({sum(piece.region == region for piece in patterns.pieces) for region in range(4)}) == 1
     own = patterns.patchwork
@@ -146,3 +156,28 @@ def test_pieces_of_a_symmetric_roof_are_symmetric_without_short_seams():
     for mirror in ([-1.0, 1.0], [1.0, -1.0]):
         off = np.linalg.norm(middles[:, None] - mirror * middles, axis=2)
         assert off.min(axis=1).max() < 0.1
+
+
+def test_numbers_of_short_seams_are_led_aside(quarters):
+    patterns = unroll(quarters, (3.0, 1.5), allowance=0.02, shortest=0.0)
+    tiny = [seam for seam in patterns.seams if seam.length < 0.01]
+    assert tiny
+    drawing, plan = draw_sheets(patterns), draw_plan(patterns)
+    for own, height, copies in ((drawing, 0.5 * MARK_LENGTH * 3.0, 2), (plan, 0.6 * MARK_LENGTH * 16.0, 1)):
+        numbers = [text for text in own.texts if text.layer == "SEAM"]
+        leaders = [line.points for line in own.lines if line.layer == "SEAM"]
+        assert len(numbers) == copies * len(patterns.seams) and len(leaders) >= copies * len(tiny)
+        assert min(text.height for text in numbers) >= READABLE * height
+        # A leader begins at a short seam and ends at its text.
+        low = patterns.patchwork.space[:, :2].min(axis=0)
+        for line in leaders:
+            box = min((text_box(text.text, text.place, text.height) for text in numbers), key=lambda box: _off(line[1], box))
+            assert _off(line[1], box) < 1e-9
+            if copies == 1:
+                feet = [patterns.patchwork.space[seam.nodes][:, :2] - low for seam in patterns.seams]
+                assert min(np.linalg.norm(foot - line[0], axis=1).min() for foot in feet) < 0.3
+
+
+def _off(point, box):
+    """Return the distance of a point from a box."""
+    return float(np.linalg.norm(point - np.clip(point, *box)))
