@@ -11,6 +11,7 @@ import numpy as np
 from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
+from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -34,20 +35,21 @@ from .roles import FIXED
 from .roles import INTERNAL
 from .visible import PLAN_SHARE
 from .visible import dip
+from .visible import on_held_edges
 from .visible import points
 
 __all__ = ["Verdict", "verdict"]
 
-MAX_MEDIAN_ERROR, MAX_ERROR_90 = 0.05, 0.3  # relative error of the fitted K on a fair surface: median and 90th percentile
+MAX_MEDIAN_ERROR, MAX_ERROR_90 = 0.05, 0.3  # relative error of the fitted K on a fair surface: median and 90th percentile by area
 FINE_DEGREE, FINE_RINGS = 4, 3  # degree and rings of the second fits, used where cubic fits over two rings have large errors
 FIT_ERROR_FACTOR = 0.6  # relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)^2
 MAX_FIT_SQUARE = 0.25  # upper bound of that square: fits over a larger part of the sphere get no further allowance
 TARGET_FLOOR = 0.1  # smallest reference for relative errors, relative to the largest target
 FLAT_SHEET = 1e-3  # curvature relative to the largest target, below which a sheet is flat and has no side
-MAX_WAVINESS_75, MAX_WAVINESS_95 = 0.2, 0.4  # residual of the fits over their sagitta on a fair surface: 75th and 95th percentiles
+MAX_WAVINESS_75, MAX_WAVINESS_95 = 0.2, 0.4  # residual of the fits over their sagitta on a fair surface: 75th and 95th percentiles by area
 SAGITTA_FLOOR = 0.3  # smallest reference for residuals, relative to the median sagitta
 RADIUS_FLOOR = 0.01  # the same relative to the radius of the fit: smaller waves are invisible
-MAX_OTHER_SIDE = 0.05  # largest share of the vertices with K > 0 that may bulge to the other side
+MAX_OTHER_SIDE = 0.05  # largest share of the area with K > 0 that may bulge to the other side
 FOLD_RATIO = 1.6  # a fold is too sharp above this multiple of the largest fold of a smooth surface through the vertices
 INVISIBLE_FOLD = np.radians(3.0)  # smaller folds are invisible
 VISIBLE_KINK = np.radians(8.0)  # excess of a single fold over FOLD_RATIO times that of a smooth surface that is visible
@@ -55,6 +57,7 @@ MAX_SHARP_SHARE = 0.02  # largest share of edges that may fold too sharply
 NEEDLE_ANGLE = 3.0  # degrees; a smaller angle of a triangle that had at least twice this angle before counts as a needle
 MIN_AREA_KEPT = 0.6  # smallest share of the area of the input in plan that has to remain
 FIT_ERROR_NEAR_SUPPORTS = {3: 0.0, 2: 0.2, 1: 0.35}  # further relative error of fits by distance from supports in edges
+TINY = float(np.finfo(float).tiny)
 MIN_SAMPLES = 12  # least number of vertices for percentiles
 
 
@@ -69,13 +72,13 @@ class Verdict:
     reasons
         One sentence each.
     fit_median
-        Median of |K - K̄| / |K̄| for polynomials fitted away from the boundary; None without fits.
+        Median by area of |K - K̄| / |K̄| for polynomials fitted away from the boundary; None without fits.
     fit_most
         90th percentile of the same.
     waviness
-        95th percentile of the distance of vertices from the fits over the sagitta of these.
+        95th percentile by area of the distance of vertices from the fits over the sagitta of these.
     bulging_both_ways
-        Share of the vertices with K > 0 that bulge to the other side than most of their region.
+        Share of the area with K > 0 that bulges to the other side than most of their region.
     sharpest_fold
         Largest angle between two faces, without creases [degree].
     folds_too_sharp
@@ -98,10 +101,10 @@ class Verdict:
 
     fair: bool
     reasons: list[str]  # one sentence each
-    fit_median: Optional[float]  # median of |K - K̄| / |K̄| of fitted polynomials, None without fits
+    fit_median: Optional[float]  # median by area of |K - K̄| / |K̄| of fitted polynomials, None without fits
     fit_most: Optional[float]  # 90th percentile of the same
-    waviness: Optional[float]  # 95th percentile of residual over sagitta of the fits
-    bulging_both_ways: float  # share of the vertices with K > 0
+    waviness: Optional[float]  # 95th percentile by area of residual over sagitta of the fits
+    bulging_both_ways: float  # share of the area with K > 0
     sharpest_fold: float  # largest angle between two faces, without creases [degree]
     folds_too_sharp: float  # share of the inner edges
     smallest_angle: float  # smallest angle of a triangle [degree]
@@ -161,7 +164,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     else:
         problem = problem.without_dummies()
     V, F = problem.vertices, problem.faces
-    internal = problem.roles == INTERNAL
+    internal, areas = problem.roles == INTERNAL, vertex_areas(V, F, "barycentric")
     fits = local_fits(V, F, internal, internal, layout=False)
     error, own = _errors(problem, fits)
     wave = _waves(fits)
@@ -175,23 +178,23 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     angle = _smallest_angle(V, F)
     kept = None if before is None else _area_kept(V, before, F)
 
-    if _is_off(error - own):
+    if _is_off(error - own, areas):
         # On stretched or coarse triangles cubic fits are inaccurate; fits of higher degree over more rings decide.
         finer = local_fits(V, F, internal, internal, FINE_DEGREE, FINE_RINGS, pinned=False, layout=False).gaussian
         closer = _against(problem, fits, np.where(np.isfinite(error) & np.isfinite(finer), finer, fits.gaussian), np.isfinite(error))
-        error = error if _is_off(closer - own) else closer
-    median, most = _percentiles(error, 50, 90)
-    wavy, waviest = _percentiles(wave, 75, 95)
+        error = error if _is_off(closer - own, areas) else closer
+    median, most = _percentiles(error, areas, 50, 90)
+    wavy, waviest = _percentiles(wave, areas, 75, 95)
     positive = np.isfinite(fits.mean) & (problem.targets > 0)
-    both = float(other.sum() / positive.sum()) if positive.any() else 0.0
+    both = float((areas @ other) / (areas @ positive)) if positive.any() else 0.0
     too_sharp = float(sharp.mean()) if len(sharp) else 0.0
     sharpest = float(np.degrees(fold.max(initial=0.0)))
     reasons = []
-    if _is_off(error - own):
+    if _is_off(error - own, areas):
         off = f"{_percent(median or 0.0)} % (median) and {_percent(most or 0.0)} % (90th percentile)"
         reasons.append(f"the curvature of fitted polynomials deviates from its target by {off}")
     for found in law_errors(problem):
-        middle, high = _percentiles(found.relative, 50, 90)
+        middle, high = _percentiles(found.relative, areas[found.vertices], 50, 90)
         if middle is not None and high is not None and (middle > MAX_MEDIAN_ERROR or high > MAX_ERROR_90):
             off = f"{_percent(middle)} % (median) and {_percent(high)} % (90th percentile)"
             reasons.append(f"region {found.region} deviates from its law {found.law} by {off} of its curvature")
@@ -259,11 +262,14 @@ def _percent(share: float) -> str:
     return f"{100 * share:.0f}" if share >= 0.1 else f"{100 * share:.2g}"
 
 
-def _percentiles(values: FloatArray, low: float, high: float) -> tuple[Optional[float], Optional[float]]:
-    known = values[np.isfinite(values)]
+def _percentiles(values: FloatArray, areas: FloatArray, low: float, high: float) -> tuple[Optional[float], Optional[float]]:
+    """Return two percentiles of values (k,) by area, so that small triangles at a rim do not count for more than they cover."""
+    known = np.flatnonzero(np.isfinite(values))
     if not known.size:
         return None, None
-    first, second = np.percentile(known, [low, high]).tolist()
+    order = known[np.argsort(values[known], kind="stable")]
+    middles = np.cumsum(areas[order]) - 0.5 * areas[order]
+    first, second = np.interp([low, high], 100.0 * (middles - middles[0]) / max(middles[-1] - middles[0], TINY), values[order]).tolist()
     return first, second
 
 
@@ -290,9 +296,9 @@ def _against(problem: CGCProblem, fits: LocalFits, K: FloatArray, where: Mask) -
     return np.where(where, np.abs(K - problem.targets) / _scale(problem, fits), np.nan)
 
 
-def _is_off(excess: FloatArray) -> bool:
+def _is_off(excess: FloatArray, areas: FloatArray) -> bool:
     """Check whether errors (n,) in excess of the fits' own are too large for a fair surface."""
-    middle, most = _percentiles(excess, 50, 90)
+    middle, most = _percentiles(excess, areas, 50, 90)
     return middle is not None and most is not None and (middle > MAX_MEDIAN_ERROR or most > MAX_ERROR_90)
 
 
@@ -314,7 +320,7 @@ def _least(problem: CGCProblem, fits: LocalFits) -> FloatArray:
     targets = problem.targets[problem.asked]
     least = TARGET_FLOOR * float(np.abs(targets).max(initial=0.0))
     if not targets.any():
-        least = 1.0 / max(float(face_areas(problem.vertices, problem.faces).sum()), np.finfo(float).tiny)
+        least = 1.0 / max(float(face_areas(problem.vertices, problem.faces).sum()), TINY)
     flat = np.isfinite(fits.mean) & (problem.targets == 0.0)
     bent = TARGET_FLOOR * float(np.median(4.0 * fits.mean[flat] ** 2)) if flat.any() else 0.0
     return np.where(problem.targets == 0.0, max(least, bent), least)
@@ -344,6 +350,8 @@ def _bulging_otherwise(problem: CGCProblem, fits: LocalFits) -> Mask:
 def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the edges with a fit (k, 2), their fold angles, and the largest fold of a smooth surface there (k,) [rad].
 
+    Edges that end on straight held ones are left out where K̄ > 0: there curvature is not bounded, and no fold too large.
+
     Two triangles of heights a and b over their common edge, with corners on a paraboloid, fold by the curvature across the edge
     times ``(a + b) / 2``. The curvature along the edge lifts each apex by ``s t / 2``, where s and t are the parts of the edge
     on both sides of the foot of the height.
@@ -355,14 +363,15 @@ def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntAr
     apart, along = here - there, here + there
     fold = 2.0 * np.arctan2(np.sqrt(np.einsum("ij,ij->i", apart, apart)), np.sqrt(np.einsum("ij,ij->i", along, along)))
     principal = _principal(fits)
-    known = np.isfinite(principal[u]) | np.isfinite(principal[v])
+    held, positive = on_held_edges(problem), problem.targets > 0.0
+    known = (np.isfinite(principal[u]) | np.isfinite(principal[v])) & ~((held[u] | held[v]) & (positive[u] | positive[v]))
     along = V[v] - V[u]
-    squared = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
+    squared = np.maximum(np.einsum("ij,ij->i", along, along), TINY)
     turned = np.zeros(len(edges))
     for face in (left, right):
         top = V[F[face].sum(axis=1) - u - v] - V[u]
         foot = np.einsum("ij,ij->i", top, along) / squared
-        height = np.maximum(2.0 * areas[face] / np.sqrt(squared), np.finfo(float).tiny)
+        height = np.maximum(2.0 * areas[face] / np.sqrt(squared), TINY)
         turned += height / 2.0 + np.abs(foot * (1.0 - foot)) * squared / (2.0 * height)
     return edges[known, :2], fold[known], (np.fmax(principal[u], principal[v]) * turned)[known]
 

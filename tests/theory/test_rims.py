@@ -13,6 +13,7 @@ from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.limits import largest_target
 
+from ..support.shapes import grid
 from ..support.tiers import push_only
 from ..system.fairness_study import mesh
 from ..system.fairness_study import outline
@@ -59,6 +60,19 @@ def test_nearly_all_that_a_rim_carries_is_solved_from_a_flat_mesh(plan, layout):
     assert most * area >= (0.98 if plan == "disc" else 0.75) * np.pi
     result = solve(problem.with_targets(NEARLY * most))
     assert result.converged and result.verdict.fair, str(result.verdict)
+
+
+def test_on_triangles_graded_towards_a_straight_rim_the_height_is_of_order_1_5():
+    heights = []
+    for n in (12, 24, 48):
+        across = 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, n + 1)))
+        vertices, faces = grid(n)
+        vertices[:, :2] = across[np.rint(n * vertices[:, :2]).astype(int)]
+        result = solve(CGCProblem(vertices, faces).with_supports("boundary").with_targets(1.5))
+        assert result.verdict.fair and result.method == "newton", result.message
+        heights.append(result.vertices[:, 2].max())
+    coarse, fine = np.diff(heights)
+    assert np.log2(coarse / fine) > 1.5
 
 
 @pytest.mark.nightly
