@@ -23,6 +23,7 @@ from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from .colours import INK
 from .colours import PALETTE
+from .free_texts import LETTER
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +34,6 @@ __all__ = ["moulds_figure"]
 PAGE = (11.7, 8.3)  # A4 [in]
 WARNING = "#b00020"
 MIN_FONT = 2.0  # of the names of panels, below which they are left out [pt]
-LETTER = 0.65  # width of a character, relative to the font size
 FONT = 6.2  # of the report [pt]
 LINE_PITCH = 1.35  # of the report, relative to the font
 TEXT_ROOM = 0.33  # height for the report above the plans, relative to A4
