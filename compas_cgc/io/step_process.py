@@ -137,8 +137,11 @@ def _triangles(occt: Any, shape: Any) -> dict[str, np.ndarray]:
         raise FileError(UNDIVIDED)
     # The shape keeps the triangles of its faces.
     points, corners, _ = occt.tesselate(shape, deflection, ANGLE)
+    vertices = np.asarray(points, float).reshape(-1, 3)
+    if not np.isfinite(vertices).all():
+        raise FileError(UNDIVIDED)
     return {
-        "vertices": np.asarray(points, float).reshape(-1, 3),
+        "vertices": vertices,
         "triangles": np.asarray(corners, np.int64).reshape(-1, 3),
         "tolerance": np.array(max(TOLERANCE * size, deflection)),
     }

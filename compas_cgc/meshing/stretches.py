@@ -10,12 +10,14 @@ import shapely
 from shapely.ops import substring
 
 from ..discrete.arrays import FloatArray
+from .sizing import MIN_GAP_SIZE
 from .sizing import SizeField
 
 __all__ = ["Stretch", "graded", "narrow_corners", "stretches_of"]
 
 NARROW_ANGLE = np.radians(40.0)  # angle between two curves below which their vertices are paired
 FIRST_PAIR = 1.5  # largest distance of the first pair from a narrow corner, in edge lengths
+NO_ANGLE = MIN_GAP_SIZE / FIRST_PAIR  # angle between two curves below which they run on top of each other beyond the first pair
 PAIR_REACH = 0.6  # reach of pairs relative to the shorter curve
 HALF_REACH = 0.45  # the same if both ends are narrow corners
 
@@ -133,7 +135,7 @@ def _rows(domain: shapely.Polygon, stretches: Sequence[Stretch], node: FloatArra
         first, second = (complex(*ahead[each]) for each in (one, other))
         angle = float(np.angle(second / first)) % (2 * np.pi)
         middle = first / abs(first) * np.exp(0.5j * angle) * reach * 0.5
-        if 0.0 < angle < NARROW_ANGLE and domain.contains(shapely.Point(node[0] + middle.real, node[1] + middle.imag)):
+        if NO_ANGLE < angle < NARROW_ANGLE and domain.contains(shapely.Point(node[0] + middle.real, node[1] + middle.imag)):
             narrowest = min(narrowest, angle)
             paired |= {one, other}
     if not paired:

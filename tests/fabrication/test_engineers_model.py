@@ -93,6 +93,11 @@ def test_sections_must_be_positive(name, value):
         inp_text(state_of(weight=0.0), Model(**{name: value}))
 
 
+def test_sections_below_a_millimetre_are_written():
+    sections = inp_text(state_of(supports=CORNERS, weight=0.0), Model(thickness=0.5, beam=0.75, modulus=0.5))
+    assert "\n0.0005\n" in sections and "\n0.00075, 0.00075\n" in sections
+
+
 def run_ccx(folder, text):
     (folder / "roof.inp").write_text(text)
     done = subprocess.run(

@@ -16,6 +16,7 @@ from compas_cgc.cli.main import main
 from compas_cgc.errors import CGCError
 from compas_cgc.fabrication import plane_quads
 from compas_cgc.fabrication.outlines import signed_area
+from compas_cgc.fabrication.quad_drawing import flat_beam
 from compas_cgc.fabrication.quad_tables import beam_text
 from compas_cgc.fabrication.quads.cross_field import cross_field
 from compas_cgc.fabrication.quads.extraction import Polygons
@@ -216,6 +217,17 @@ def test_short_beams_are_named_in_the_report_and_in_the_tables():
     }
     assert named in small.summary() and named in beam_text(small).replace('""', '"')
     assert replace(quads, vertices=10.0 * quads.vertices).short_beams() == ""
+
+
+def test_a_beam_laid_flat_keeps_its_sides_and_the_diagonal_along_which_it_is_unfolded():
+    quads = plane_quads(CGCProblem(*revolved_patch(12, 0.02)).with_targets(0.02), 1.0)
+    for beam, ends in enumerate(quads.edges):
+        near = quads.vertices[ends]
+        solid = 1e3 * np.vstack([near, (near + quads.depth * quads.axes[ends])[::-1]])
+        flat = flat_beam(quads, beam)
+        pairs = np.array([(0, 1), (1, 2), (2, 3), (3, 0), (0, 2)])
+        assert np.linalg.norm(np.diff(flat[pairs], axis=1), axis=2) == pytest.approx(np.linalg.norm(np.diff(solid[pairs], axis=1), axis=2))
+        assert signed_area(flat) > 0.0 and flat.min(axis=0) == pytest.approx([0.0, 0.0], abs=1e-9)
 
 
 def test_the_command_writes_faces_and_beams(tmp_path):

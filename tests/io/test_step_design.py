@@ -156,15 +156,16 @@ def test_reading_ends_with_a_limit_of_memory(cushion, tmp_path, monkeypatch):
         read_step_design(tmp_path / "cushion.step")
 
 
-def test_faces_that_opencascade_leaves_out_are_refused(cushion, tmp_path, monkeypatch):
-    """For lack of memory, among other reasons, it returns no triangles for a face, and no error."""
+@pytest.mark.parametrize("spoilt", [lambda points, corners: (points, corners[:0]), lambda points, corners: (np.nan * points, corners)])
+def test_faces_that_opencascade_leaves_out_are_refused(spoilt, cushion, tmp_path, monkeypatch):
+    """For lack of memory, among other reasons, it returns no triangles for a face, or vertices that are no numbers, and no error."""
     (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
     occt = opencascade()
     half = {name: getattr(occt, name) for name in dir(occt)}
 
     def tesselate(*arguments):
         points, corners, edges = occt.tesselate(*arguments)
-        return points, corners[:0], edges
+        return *spoilt(points, corners), edges
 
     monkeypatch.setattr(step_process, "opencascade", lambda: types.SimpleNamespace(**{**half, "tesselate": tesselate}))
     with pytest.raises(FileError, match="cannot divide all faces"):
