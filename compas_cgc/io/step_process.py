@@ -128,7 +128,7 @@ def _triangles(occt: Any, shape: Any) -> dict[str, np.ndarray]:
     first = COARSE * DEFLECTION * _diagonal(np.array(occt.aabb(shape, False)))
     # A copy does not pass its triangles on.
     points, corners, _ = occt.tesselate(occt.copy(shape), first, ANGLE)
-    if not len(points):
+    if not len(points) or not np.isfinite(points).all():
         raise FileError(UNDIVIDED)
     size = _diagonal(np.array(points))
     deflection = max(DEFLECTION * size, first * len(corners) / MAX_TRIANGLES)
