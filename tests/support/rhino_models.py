@@ -80,6 +80,12 @@ class Sketch:
         return path
 
 
+def place_of(points):
+    """Return how messages state the place of an object around points."""
+    middle = 0.5 * (np.min(points, axis=0) + np.max(points, axis=0))
+    return f"at ({', '.join(f'{value:.6g}' for value in middle.tolist())})"
+
+
 def point3d(place):
     return rhino3dm.Point3d(*(float(x) for x in place))
 

@@ -11,9 +11,12 @@ from typing import Any
 from typing import NamedTuple
 from typing import Union
 
+import numpy as np
+
 from ..._atomic_write import replacing
 from ..._samples import no_file
 from ...errors import FileError
+from ...model.lengths import place_text
 from ._types import Archive
 from ._types import Geometry
 
@@ -54,8 +57,12 @@ class Item(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Name of the object in errors and notes."""
-        return f"{self.kind} {self.id} on layer {self.layer!r}"
+        """Kind, name, place and layer of the object, for errors and notes."""
+        box = self.geometry.GetBoundingBox()
+        low, high = (np.array([corner.X, corner.Y, corner.Z]) for corner in (box.Min, box.Max))
+        named = f" {self.name!r}" if self.name else ""
+        size = float(np.linalg.norm(high - low)) or 1.0  # of a point a unit
+        return f"{self.kind}{named} at {place_text(0.5 * (low + high), size)} on layer {self.layer!r}"
 
 
 def rhino3dm_module() -> Any:

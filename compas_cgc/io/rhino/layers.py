@@ -165,17 +165,15 @@ def select(items: list[Item], names: LayerNames, result: bool = False) -> Select
     given = [item for item in items if role[item.id] != "result"]
     regions = [item for item in items if item.layer == f"{RESULT}::Regions" and item.kind == "mesh"]
     drawn = any(item.kind == "mesh" or item.kind in _SURFACES for item in given)
-    if result or not drawn:
-        found = _of_result(items)
-        if found:
-            note = "the result in the file is used instead of its drawing"
-            if not drawn:
-                note = "the file holds only an earlier result, which is used as the input"
-            mesh, supports, creases, constraints, goals = found.values()
-            return Selection(mesh, supports, creases, [], constraints, goals, [], regions, [note])
-    if any(role[item.id] for item in given):
-        return _by_layer(given, role, regions, names)
-    return _by_kind(given, regions)
+    found = _of_result(items)
+    if found and (result or not drawn):
+        note = "the result in the file is used instead of its drawing"
+        if not drawn:
+            note = "the file holds only an earlier result, which is used as the input"
+        mesh, supports, creases, constraints, goals = found.values()
+        return Selection(mesh, supports, creases, [], constraints, goals, [], regions, [note])
+    selected = _by_layer(given, role, regions, names) if any(role[item.id] for item in given) else _by_kind(given, regions)
+    return selected._replace(notes=["the drawing in the file is used, not its result", *selected.notes]) if found else selected
 
 
 def _of_result(items: list[Item]) -> dict[str, list[Item]]:
@@ -193,18 +191,16 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
         "constraints": ("curve", *_POINTS),
         "goals": ("curve", "text dot", *_POINTS),
     }
-    outlines = [item for item in given if role[item.id] == "mesh" and item.kind == "curve"]
     chosen = {part: [item for item in given if role[item.id] == part and item.kind in kinds] for part, kinds in wanted.items()}
+    outlines = [item for item in given if role[item.id] == "mesh" and item.kind == "curve"]
+    meshed = {item.id for item in outlines} if not chosen["mesh"] else set()
     notes = [
         f"{item.label} was ignored: its layer is for {', '.join(wanted[role[item.id]])}"
         for item in given
-        if role[item.id] and item.kind not in wanted[role[item.id]]
+        if role[item.id] and item.kind not in wanted[role[item.id]] and item.id not in meshed
     ]
     others = [item for item in given if role[item.id] is None]
-    if outlines and not chosen["mesh"]:
-        named = {item.id for item in outlines}
-        notes = [note for note in notes if not any(name in note for name in named)]
-    elif not chosen["mesh"]:
+    if not (chosen["mesh"] or outlines):
         chosen["mesh"], more = _first_mesh(others, names.mesh[0])
         notes += more
     taken = {item.id for part in chosen.values() for item in part}

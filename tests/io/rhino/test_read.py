@@ -22,6 +22,7 @@ from compas_cgc.model.problem import FIXED
 from ...support.rhino_models import ORIGINS
 from ...support.rhino_models import Sketch
 from ...support.rhino_models import corners_of
+from ...support.rhino_models import place_of
 from ...support.rhino_models import point3d
 from ...support.rhino_models import quads
 from ...support.rhino_models import row
@@ -75,10 +76,10 @@ def test_a_file_without_layers_mesh_points_and_curves(tmp_path, origin, units):
 
 
 def test_of_several_meshes_the_first_is_taken_and_the_others_named(sketch, tmp_path):
-    first = sketch.mesh(*plan())
+    sketch.mesh(*plan())
     sketch.mesh(*plan(3.0))
     model = read_3dm(sketch.save(tmp_path / "a.3dm"))
-    assert said(model, first, "1 more ignored", "CGC::Mesh")
+    assert said(model, place_of(plan()[0]), "1 more ignored", "CGC::Mesh")
     assert said(model, "no support")
 
 
@@ -123,10 +124,11 @@ def test_constraints_besides_the_curvature(sketch, tmp_path):
     sketch.curve(vertices[row(N, 7)], "CGC::Constraints", {"keep": "yes"})
     sketch.points([vertices[55] + [0, 0, 3.5]], "CGC::Constraints")
     sketch.points([vertices[57]], "CGC::Constraints", {"Keep": "yes"})
-    (beside,) = sketch.points([vertices[55] + [0.4, 0, 3.5]], "CGC::Constraints")
-    away = sketch.curve([[0, 0, 5], [9, 9, 5]], "CGC::Constraints")
+    sketch.points([vertices[55] + [0.4, 0, 3.5]], "CGC::Constraints")
+    sketch.curve([[0, 0, 5], [9, 9, 5]], "CGC::Constraints")
     model = read_3dm(sketch.save(tmp_path / "a.3dm"))
-    assert [name in problem for name, problem in zip((beside, away), model.diagnostics)] == [True, True]
+    places = place_of([vertices[55] + [0.4, 0, 3.5]]), place_of([[0, 0, 5], [9, 9, 5]])
+    assert [place in problem for place, problem in zip(places, model.diagnostics)] == [True, True]
     mesh = CGCMesh.from_problem(model.problem)
     write_problem(tmp_path / "b.3dm", mesh)
     for again in (mesh, mesh_of(read_3dm(tmp_path / "b.3dm"))):
@@ -157,12 +159,12 @@ def test_a_constraint_that_cannot_be_used_is_named(sketch, tmp_path):
     }
     for text, words in broken.items():
         sketch = Sketch()
-        name = sketch.mesh(vertices, faces, "CGC::Mesh", {"cgc goals": text})
-        (lost,) = sketch.points([[np.nan, 0, 0]], "CGC::Constraints")
+        sketch.mesh(vertices, faces, "CGC::Mesh", {"cgc goals": text})
+        sketch.points([[np.nan, 0, 0]], "CGC::Constraints")
         model = read_3dm(sketch.save(tmp_path / "a.3dm"))
         about_point, about_text = model.diagnostics
-        assert lost in about_point and "'CGC::Constraints'" in about_point and "delete it" in about_point
-        assert name in about_text and "'cgc goals'" in about_text and words in about_text and "delete the text" in about_text
+        assert "constraint point" in about_point and "'CGC::Constraints'" in about_point and "delete it" in about_point
+        assert place_of(vertices) in about_text and "'cgc goals'" in about_text and words in about_text and "delete the text" in about_text
         with pytest.raises(ProblemError):
             model.checked()
 
@@ -264,11 +266,11 @@ def test_unwelded_mixed_and_single_precision_far_from_the_origin(sketch, tmp_pat
     own = np.arange(len(loose)).reshape(-1, 4).tolist()
     own[7] = own[7][::-1]
     own[9:10] = [own[9][:3], [own[9][2], own[9][3], own[9][0]]]
-    name = sketch.mesh(loose, own, single=True)
+    sketch.mesh(loose, own, single=True)
     sketch.points(vertices[corners_of(N)])
     model = read_3dm(sketch.save(tmp_path / "a.3dm"))
     assert len(model.problem.vertices) == (N + 1) ** 2 and len(model.problem.faces) == 2 * N * N and len(model.problem.supports) == 4
-    for words in (["welded"], ["quads"], ["2 faces were turned"], [name, "seven digits", "far from the origin"]):
+    for words in (["welded"], ["quads"], ["2 faces were turned"], [place_of(vertices), "seven digits", "far from the origin"]):
         assert said(model, *words), words
     (problem,) = mesh_of(model).check()
     assert problem.startswith("no target curvature is set; set one (mesh.set_target(K), or --target K); ")
@@ -364,7 +366,8 @@ def test_a_curve_of_any_kind_along_a_bent_row_of_edges(sketch, tmp_path, kind):
 def test_a_crease_that_does_not_follow_edges_is_traced_or_cut(sketch, tmp_path):
     sketch.mesh(*plan())
     circle = rhino3dm.Circle(point3d((4.6, 4.4, 0)), 2.7)
-    name = sketch.curve(circle.ToNurbsCurve(), "Creases")
+    name = "curve at (4.6, 4.4, 0)"
+    sketch.curve(circle.ToNurbsCurve(), "Creases")
     path = sketch.save(tmp_path / "a.3dm")
     traced = read_3dm(path)
     assert said(traced, name, "'Creases'", "nearest path of edges", "of a mean edge")
@@ -437,14 +440,17 @@ def test_split_creases_cross_each_other(sketch, tmp_path):
 # ----------------------------------------------------------------------
 
 
-def test_everything_that_does_not_fit_is_said_with_id_layer_and_mend(sketch, tmp_path):
+def test_everything_that_does_not_fit_is_named_with_place_layer_and_remedy(sketch, tmp_path):
     vertices, faces = plan()
     sketch.mesh(vertices, faces, "CGC::Mesh")
-    (far,) = sketch.points([vertices[3] + [0, 0, 0.25]], "CGC::Supports")
-    loose = sketch.curve([[40, 0, 0], [50, 0, 0]], "CGC::Supports")
-    away = sketch.curve([[0, 0, 30], [9, 9, 30]], "CGC::Creases")
-    wordy = sketch.dot("high", [1, 1, 0], "CGC::Targets")
-    one, two = sketch.dot("K=1", [2, 2, 0], "CGC::Targets"), sketch.dot("K=2", [7, 7, 0], "CGC::Targets")
+    sketch.points([vertices[3] + [0, 0, 0.25]], "CGC::Supports", name="mast")
+    sketch.curve([[40, 0, 0], [50, 0, 0]], "CGC::Supports")
+    sketch.curve([[0, 0, 30], [9, 9, 30]], "CGC::Creases")
+    for words, place in (("high", [1, 1, 0]), ("K=1", [2, 2, 0]), ("K=2", [7, 7, 0])):
+        sketch.dot(words, place, "CGC::Targets")
+    far = f"point 'mast' {place_of([vertices[3] + [0, 0, 0.25]])}"
+    loose, away = "curve at (45, 0, 0)", "curve at (4.5, 4.5, 30)"
+    wordy, one, two = (f"text dot at ({x}, {x}, 0)" for x in (1, 2, 7))
     model = read_3dm(sketch.save(tmp_path / "a.3dm"))
     problems = list(model.diagnostics)
     expected = {
@@ -474,11 +480,11 @@ def test_everything_that_does_not_fit_is_said_with_id_layer_and_mend(sketch, tmp
     ],
 )
 def test_meshes_that_are_none(sketch, tmp_path, vertices, faces, words):
-    name = sketch.mesh(vertices, faces)
+    sketch.mesh(vertices, faces)
     path = sketch.save(tmp_path / "a.3dm")
     with pytest.raises(FileError, match=words) as refusal:
         read_3dm(path)
-    assert str(path) in str(refusal.value) and (name in str(refusal.value) or "damaged" in str(refusal.value))
+    assert str(path) in str(refusal.value) and ("mesh at (" in str(refusal.value) or "damaged" in str(refusal.value))
 
 
 def test_a_file_without_a_mesh(sketch, tmp_path):

@@ -167,6 +167,10 @@ def test_the_input_is_kept_and_the_result_stands_beside_it(handed_over, tmp_path
     parts = {layer.split("::")[1]: entries for layer, entries in found.items() if layer.startswith("CGC Result")}
     assert set(parts) - {"Rough"} == {"Mesh", "Regions", "Supports", "Creases", "Curvature", "Error", "Report"}
     vertices, faces = result.mesh.arrays()
+    drawn, solved = (read_3dm(out, result=own) for own in (False, True))
+    assert np.ptp(drawn.problem.vertices[:, 2]) == 0.0 < np.ptp(solved.problem.vertices[:, 2])
+    assert "the drawing in the file is used, not its result" in drawn.notes and "result in the file is used" in solved.notes[0]
+    assert not any("result" in note for note in model.notes)
     (mesh,) = parts["Mesh"]
     written = np.array([(p.X, p.Y, p.Z) for p in mesh.Geometry.Vertices.ToPoint3dArray()])
     assert written.tobytes() == vertices.tobytes() and mesh.Attributes.GetUserString("status") == result.status
