@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 
+from ...errors import CGCError
 from ..api.rhino_mesh import mesh_text
 from ..api.rhino_mesh import polyline_text
 from ..limits import Limits
@@ -26,6 +27,9 @@ def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float)
     # Workers that never rationalise do without its imports.
     from ...rationalisation import rationalise
 
+    locked, own_moulds = inputs["Locked"], inputs["LockedMoulds"]
+    if len(locked) != len(own_moulds):
+        raise CGCError(f"Locked has {len(locked)} panels and LockedMoulds {len(own_moulds)} moulds; give a mould for every panel")
     problem, notes = design_of(inputs, context, limits)
     read = time.perf_counter()
     own = problem.without_dummies()
@@ -37,6 +41,7 @@ def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float)
         seams=[read_curve(data, "Seams", fine).tolist() for data in inputs["Seams"]] or None,
         within=inputs["Within"] or None,
         panel=inputs["Panel"] or None,
+        locked=dict(zip(locked, own_moulds)),
         supports=own.vertices[own.supports].tolist() if len(own.supports) else None,
     )
     done = time.perf_counter()

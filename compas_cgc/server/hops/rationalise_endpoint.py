@@ -43,6 +43,16 @@ def rationalise_endpoint(info: Output) -> Endpoint:
                 most=MAX_ITEMS,
                 optional=True,
             ),
+            Input("Locked", "L", "Integer", "Numbers of panels that keep a mould.", many=True, most=MAX_ITEMS, optional=True),
+            Input(
+                "LockedMoulds",
+                "LM",
+                "Integer",
+                "Mould of each of these panels, as a position in Radii counted from 0.",
+                many=True,
+                most=MAX_ITEMS,
+                optional=True,
+            ),
         ),
         (
             Output("Mesh", "M", "Mesh", "Surface, coloured by its signed distance from the design."),

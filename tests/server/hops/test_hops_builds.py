@@ -77,6 +77,20 @@ def test_a_design_becomes_panels_on_few_moulds(hops):
     assert errors == [] and "try" in warnings[0]
 
 
+def test_locked_panels_of_a_design_keep_their_moulds(hops):
+    vertices, quads = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2, 8.0, 4.0, 0.5)
+    given = {"Mesh": mesh_from_arrays(vertices, np.array(quads)), "Panel": 2.0, "Radii": [14.0, 0.0]}
+    _, free, _, _ = hops("rationalise").solve(**given)
+    other = [1.0 / 14.0**2, 0.0].index(free["K"][1 - free["Mould"][5]] if len(free["K"]) > 1 else 0.0)
+    _, outputs, errors, _ = hops("rationalise").solve(**given, Locked=[5], LockedMoulds=[other])
+    assert errors == [] and outputs["K"][outputs["Mould"][5]] == pytest.approx([1.0 / 14.0**2, 0.0][other])
+    assert outputs["K"][outputs["Mould"][5]] != free["K"][free["Mould"][5]]
+    _, _, errors, _ = hops("rationalise").solve(**given, Locked=[5, 6], LockedMoulds=[1])
+    assert "2 panels and LockedMoulds 1 mould" in errors[0]
+    _, _, errors, _ = hops("rationalise").solve(**given, Locked=[5], LockedMoulds=[2])
+    assert "panel 5 cannot be locked to mould 2" in errors[0]
+
+
 def test_sheets_have_margins_and_allowances(hops):
     pytest.importorskip("shapely")
     shape = cone(6, 24)
