@@ -36,7 +36,9 @@ SAME = 0.01  # part of the panels, by which two clusterings differ that lead to 
 ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
-EVENING, LEAST = 8, 0.3  # rounds of weights, and the weight of no distance against that of the largest
+EVENING, LEAST_GAIN = 10, 0.01  # rounds of weights at most, and the part of the norm below which a round is the last
+EVENING_POWERS, LEAST = (4, 8), 1e-3  # of distances as weights, and the weight of no distance against that of the largest
+SHORTEST_EVENING = 1.0 / 32.0  # part of a step of a round, below which it ends
 SHORTEST = 0.125  # part of the changes of the K of the moulds, below which a search ends
 ENOUGH = 0.97  # of the norm of the best surface, below which a round has to promise to come
 
@@ -173,33 +175,38 @@ def finished(moves: NormalMoves, placed: Placed) -> Placed:
 def evened(moves: NormalMoves, placed: Placed) -> Placed:
     """Return an assignment with a surface whose largest distances and folds are less: where they are large, they count more.
 
+    Surface and K of the moulds take damped steps towards those of least weighted squares, with weights that are powers of the criteria.
+
     References
     ----------
-    Lawson's iteratively reweighted least squares, see Rice and Usow, doi:10.1090/S0025-5718-1968-0231111-3.
+    Burrus, Barreto, Selesnick, *Iterative reweighted least-squares design of FIR filters*, 1994, doi:10.1109/78.330353.
     """
-    here, weights = placed, np.ones(len(moves.criteria_mass))
-    used = np.unique(placed.assigned.classes)
-    groups = np.searchsorted(used, placed.assigned.classes)
-    for _ in range(EVENING):
-        own = np.abs(moves.criteria(here.moves))
-        weights = weights * (LEAST + own / max(float(own.max(initial=0.0)), 1e-300))
-        weights = weights / float(moves.criteria_mass @ weights)
-        stressing = moves.stressing(weights)
-        linear = stressing.linearised(here.moves, here.assigned.K, groups)
-        kept = here.assigned.kept[used]
-        grouped = Assignment(here.assigned.values[used], np.arange(len(used)), kept, np.ones(len(used), bool))
-        changes = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values - grouped.values
-        length = 1.0
-        while length >= SHORTEST:
-            values = here.assigned.values.copy()
-            values[used] += length * changes
-            tried = _placed(stressing, replace(here.assigned, values=values), linear.at(values[used]))
-            if tried.norm < here.norm:
+    for power in EVENING_POWERS:
+        for _ in range(EVENING):
+            before, placed = placed, _evened_once(moves, placed, power)
+            if not placed.norm < (1.0 - LEAST_GAIN) * before.norm:
                 break
-            length /= 2.0
-        else:
-            break
-        here = tried
+    return placed
+
+
+def _evened_once(moves: NormalMoves, here: Placed, power: int) -> Placed:
+    """Return the surface after one step of :func:`evened` that reduces the norm, or the same one."""
+    own = np.abs(moves.criteria(here.moves))
+    weights = (own / max(float(own.max(initial=0.0)), 1e-300)) ** power + LEAST
+    stressing = moves.stressing(weights / float(moves.criteria_mass @ weights))
+    used, groups = np.unique(here.assigned.classes, return_inverse=True)
+    linear = stressing.linearised(here.moves, here.assigned.K, groups)
+    grouped = Assignment(here.assigned.values[used], np.arange(len(used)), here.assigned.kept[used], np.ones(len(used), bool))
+    changes = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values - grouped.values
+    towards = linear.at(grouped.values + changes) - here.moves
+    length = 1.0
+    while length >= SHORTEST_EVENING:
+        values = here.assigned.values.copy()
+        values[used] += length * changes
+        tried = _placed(stressing, replace(here.assigned, values=values), here.moves + length * towards)
+        if tried.norm < here.norm:
+            return tried
+        length /= 2.0
     return here
 
 
@@ -219,20 +226,21 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
     nearest, constant = _nearest(sensitivities, moves.mass), sensitivities.constant()
     locked = np.zeros(moves.panels, bool) if moulds.locked is None else moulds.locked >= 0
     if moulds.values is not None:
-        given = [(moulds.values, np.ones(len(moulds.values), bool))]
+        kept = np.ones(len(moulds.values), bool)
+        given = [(moulds.values, kept, nearest_values(sample, moulds.values)) for sample in (design, nearest)]
+    elif moulds.number >= moves.panels and not moulds.flat:
+        given = [(sample, np.zeros(moves.panels, bool), np.arange(moves.panels)) for sample in (design, nearest)]
     elif moulds.number == 1 and moulds.flat is not False:
-        given = [(np.zeros(1), np.ones(1, bool))]
+        given = [(np.zeros(1), np.ones(1, bool), np.zeros(moves.panels, np.int64))]
     else:
-        given = list(clusterings([design, nearest], areas, moulds.number, moulds.flat))
+        clusters = clusterings([design, nearest], areas, moulds.number, moulds.flat)
+        given = [(values, kept, nearest_values(design, values)) for values, kept in clusters]
     found = []
-    for values, kept in given:
-        for sample in (design, nearest) if moulds.values is not None else (None,):
-            own = nearest_values(design if sample is None else sample, values)
-            if moulds.locked is not None:
-                own = np.where(locked, moulds.locked, own)
-            assigned = Assignment(values, own, kept, locked)
-            predicted = constant + sensitivities.forward(assigned.K)
-            found.append(Placed(assigned, predicted, _norm(moves, predicted)))
+    for values, kept, own in given:
+        classes = own if moulds.locked is None else np.where(locked, moulds.locked, own)
+        assigned = Assignment(values, classes, kept, locked)
+        predicted = constant + sensitivities.forward(assigned.K)
+        found.append(Placed(assigned, predicted, _norm(moves, predicted)))
     promising: list[Placed] = []
     for placed in sorted(found, key=lambda placed: placed.norm)[:STARTS]:
         # Clusterings of many panels often end in the same classes; the K of the moulds are fitted later.

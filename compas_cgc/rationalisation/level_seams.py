@@ -23,7 +23,10 @@ SMALLEST = 0.12  # of the size: level lines that are shorter are left out
 
 
 def level_seams(surface: SplineSurface, moulds: int, rims: Sequence[FloatArray] = ()) -> list[FloatArray]:
-    """Return the level lines (k, 2) of K half way between the values of so many clusters of it, on a surface with rims (k, 2).
+    """Return the level lines (k, 2) of K between so many clusters of it, on a surface with rims (k, 2).
+
+    Clusters are those of the signed root of K: a surface of another K is away from a design by the difference of their curvatures, so
+    that nearly flat parts need as many values of K as strongly curved ones.
 
     Raises
     ------
@@ -45,10 +48,11 @@ def level_seams(surface: SplineSurface, moulds: int, rims: Sequence[FloatArray] 
     modes = ["wrap" if closes else "nearest" for closes in surface.closed]
     K = gaussian_filter(K[once], [SMOOTHING * size * GRID / span for span in spans], mode=modes)
     K = np.pad(K, [(0, int(closes)) for closes in surface.closed], mode="wrap")
-    values, _ = next(clusterings([K.ravel()], within_rims(uv, rims).astype(np.float64), moulds, False))
+    curvature = np.sign(K) * np.sqrt(np.abs(K))
+    values, _ = next(clusterings([curvature.ravel()], within_rims(uv, rims).astype(np.float64), moulds, False))
     values = np.sort(values)
     lines: list[FloatArray] = []
-    generator = contour_generator(axes[0], axes[1], K.T)
+    generator = contour_generator(axes[0], axes[1], curvature.T)
     for low, high in zip(values[:-1], values[1:]):
         for traced in generator.lines(0.5 * (low + high)):
             line = np.asarray(traced, dtype=np.float64)

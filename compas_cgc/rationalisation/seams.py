@@ -32,7 +32,7 @@ __all__ = ["PANELS", "SeamsInput", "panels_of"]
 
 EDGES, VERTICES = 4, 2500  # along the side of a panel at least by default, and of the whole mesh about
 PANELS = 12  # along the longer side by default
-LEVELS = 7  # values of K between which level lines run
+LEVELS = 6  # values of K between which level lines run
 AWAY = 2.0  # edges, within which a curve lies on the design
 NEAR = 0.6  # of an edge, within which a seam that ends at the rim is led over it
 OFFSETS = (0.0, 0.25, -0.25, 0.4)  # of the width of a panel, by which a grid is shifted off a rim that its lines graze

@@ -56,6 +56,29 @@ def test_more_moulds_are_nearer_and_flat_sheets_farther():
     assert found(1).curvatures.tolist() == [0.0]
 
 
+def test_with_a_mould_for_every_panel_the_surface_is_nearer_than_with_few():
+    own = compas_cgc.rationalise(DESIGN, panel=4.0, edges=6, moulds=9, flat=False)
+    few = compas_cgc.rationalise(DESIGN, panel=4.0, edges=6, moulds=2)
+    assert len(own.curvatures) >= 5 and own.panelling.panel_count == 6
+    assert own.distance.largest < few.distance.largest
+
+
+def test_large_distances_are_evened_out():
+    """Steps reduce the largest distance and fold by far, by the same norm that accepts them."""
+    from compas_cgc.rationalisation.assignment import Moulds
+    from compas_cgc.rationalisation.assignment import assign
+    from compas_cgc.rationalisation.assignment import evened
+
+    panelling = panels_of(read_design(DESIGN), 4.0, 6)
+    moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
+    before = assign(moves, Moulds(3))
+    after = evened(moves, before)
+    assert after.norm < 0.75 * before.norm
+    largest = [np.abs(moves.criteria(placed.moves)).max() for placed in (before, after)]
+    assert largest[1] < 0.75 * largest[0]
+    assert moves.error(after.moves, after.assigned.K) < 0.05
+
+
 def test_the_assignment_is_nearer_than_clusters_of_the_curvature():
     from compas_cgc.rationalisation.assignment import Moulds
     from compas_cgc.rationalisation.assignment import _starts

@@ -62,6 +62,13 @@ def test_level_lines_run_half_way_between_clusters_of_the_curvature():
         assert np.std(K) < 0.3 * np.abs(K).max() + 1e-4
 
 
+def test_level_lines_divide_nearly_flat_saddles_too():
+    """Saddles of a hundredth of the largest K, which clusters of K itself would leave in one region."""
+    design = read_design(mesh_over(bumpy("soft", 1), edge=1.0))
+    K = np.array([np.median(design.surface.gaussian(line)) for line in level_seams(design.surface, 6)])
+    assert (K < 0.0).sum() >= 2 and K.max() > 10.0 * np.abs(K.min())
+
+
 def test_the_faces_of_a_quad_mesh_are_the_panels():
     vertices, quads = mesh_over(heights, 10.0, 8.0, 2.0)
     # Shear the plan, so that no seam lies along it.
