@@ -12,6 +12,7 @@ from typing import Union
 
 import numpy as np
 
+from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
@@ -33,6 +34,7 @@ STEP = (".step", ".stp")
 
 DesignInput = Union[str, os.PathLike, SplineSurface, Any]
 
+EPS = float(np.finfo(float).eps)
 TOLERANCE = 1e-4  # of the size of a mesh, within which it is fitted by default
 LARGEST_DEVIATION = 0.01  # of the size, from which a fitted surface is no longer the design
 CORRECTIONS = 2  # of the parameters of vertices for each number of spans; more change little
@@ -206,6 +208,8 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
     faces = triangles_of(vertices, polygons)[0]
     used = np.unique(faces)
     size = float(np.linalg.norm(np.ptp(vertices[used], axis=0)))
+    if not float(face_areas(vertices, faces).sum()) > EPS * size**2:
+        raise MeshError("the design has no area: all its vertices lie on a line; give a surface")
     wanted = min(TOLERANCE * size, limit) if tolerance is None else tolerance
     chart = chart_of(vertices, faces)
     if chart is not None:

@@ -17,6 +17,7 @@ from ..discrete import boundary_vertices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
 from ..errors import CGCError
+from ..errors import MeshError
 from ..errors import names_what_was_meant
 from ..meshing import named_supports
 from ..meshing.polyline import nearest_on_polyline
@@ -36,6 +37,7 @@ from .normal_moves import NormalMoves
 from .panelling import Panelling
 from .panelling import vertex_panels
 from .result import Rationalised
+from .seams import LEVELS
 from .seams import SeamsInput
 from .seams import panels_of
 
@@ -93,7 +95,8 @@ def rationalise(
         Width of the panels [L]. Default: a twelfth of the longer side.
     seams
         ``"grid"`` along the parameters of a surface or the plan of a mesh; ``"curvature"`` along lines of curvature, or
-        ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K, for few regions; ``"faces"`` between the faces of a
+        ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K, for few regions, of the numbers of lines that are tried
+        that which leads nearest to the design; ``"faces"`` between the faces of a
         quad mesh; or points (k, 3) along curves on the design. Default: those drawn in the file, else the grid.
     within
         Largest distance from the design that is allowed [L]; what the surface fitted to a mesh deviates counts in full.
@@ -143,14 +146,43 @@ def rationalise(
             raise CGCError(f"{name} must be a length above zero, in the units of the design, not {value!r}")
     read = read_design(design, tolerance=tolerance, finest=None if within is None else FIT_PART * within)
     _check_scale(read, panel, within, moulds)
-    panelling = panels_of(read, panel, edges, seams)
-    fixed = _fixed(read, panelling, supports)
-    moves = NormalMoves(panelling, fixed)
-    stop = _Stop(callback)
+    if locked and isinstance(seams, str) and seams == "levels":
+        raise CGCError("panels between level lines are found anew in every run and cannot be locked; give the seams as curves")
+    panellings = _panellings(read, panel, edges, seams)
+    found: list[Rationalised] = []
+    stop = _Stop(callback, len(panellings))
     left = None if within is None else within - read.deviation
-    best = _assigned(moves, moulds, flat, left, locked, stop)
-    tried = MAX_MOULDS if moulds is None else len(best.assigned.values)
-    return _result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels))
+    for panelling in panellings:
+        fixed = _fixed(read, panelling, supports)
+        moves = NormalMoves(panelling, fixed)
+        best = _assigned(moves, moulds, flat, left, locked, stop)
+        tried = MAX_MOULDS if moulds is None else len(best.assigned.values)
+        found.append(_result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels)))
+        if stop.stopped:
+            break
+        stop.past += 1
+    return min(found, key=lambda own: _rank(own, moulds is None))
+
+
+def _rank(found: Rationalised, fewest: bool) -> tuple[bool, bool, int, float]:
+    """Return what the best of several divisions has least of: fair surfaces first, then the nearest, or those with the fewest moulds."""
+    fair = found.result.converged and found.result.verdict.fair
+    return not fair, fewest and not found.kept, len(found.curvatures) if fewest else 0, found.distance.largest
+
+
+def _panellings(design: Design, panel: Optional[float], edges: Optional[int], seams: SeamsInput) -> list[Panelling]:
+    """Return the panels of a design: one division, or for level lines those of several numbers of levels."""
+    if not (isinstance(seams, str) and seams == "levels"):
+        return [panels_of(design, panel, edges, seams)]
+    found, failed = [], None
+    for levels in LEVELS:
+        try:
+            found.append(panels_of(design, panel, edges, seams, levels))
+        except MeshError as error:
+            failed = failed or error
+    if failed is not None and not found:
+        raise failed
+    return found
 
 
 def _check_scale(design: Design, panel: Optional[float], within: Optional[float], moulds: MouldsInput) -> None:
@@ -299,15 +331,15 @@ def _suggestion(found: Rationalised, within: float, tried: int) -> str:
 class _Stop:
     """Shows progress to a callback, and remembers whether it cancelled."""
 
-    def __init__(self, callback: Watch):
-        self._callback = callback
-        self.stopped = False
+    def __init__(self, callback: Watch, searches: int):
+        self._callback, self._searches = callback, searches
+        self.past, self.stopped = 0, False  # searches that are done
 
     def shown(self, done: int, rounds: int, distance: float) -> bool:
         """Show how far the search is; return whether to stop."""
         if self._callback is not None and not self.stopped:
             try:
-                self.stopped = self._callback(Progress(done, rounds, distance)) is True
+                self.stopped = self._callback(Progress(self.past * rounds + done, self._searches * rounds, distance)) is True
             except StopIteration:
                 self.stopped = True
         return self.stopped

@@ -28,11 +28,11 @@ from .spline_surface import SplineSurface
 from .streamlines import even_lines
 from .unwrapping import contiguous
 
-__all__ = ["PANELS", "SeamsInput", "panels_of"]
+__all__ = ["LEVELS", "PANELS", "SeamsInput", "panels_of"]
 
 EDGES, VERTICES = 4, 2500  # along the side of a panel at least by default, and of the whole mesh about
 PANELS = 12  # along the longer side by default
-LEVELS = 6  # values of K between which level lines run
+LEVELS = (6, 5, 7)  # values of K between which level lines run; which of them is best depends on the design
 AWAY = 2.0  # edges, within which a curve lies on the design
 NEAR = 0.6  # of an edge, within which a seam that ends at the rim is led over it
 OFFSETS = (0.0, 0.25, -0.25, 0.4)  # of the width of a panel, by which a grid is shifted off a rim that its lines graze
@@ -44,7 +44,9 @@ NAMED = ("grid", "levels", "faces", *LINES)
 SeamsInput = Union[str, Sequence[Sequence[Sequence[float]]], None]
 
 
-def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = None, seams: SeamsInput = None) -> Panelling:
+def panels_of(
+    design: Design, panel: Optional[float], edges: Optional[int] = None, seams: SeamsInput = None, levels: int = LEVELS[0]
+) -> Panelling:
     """Return the panels of a design, with a mesh whose edges follow the seams.
 
     Parameters
@@ -59,6 +61,8 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
         ``"grid"`` along the parameters, which are the plan where a mesh has one; ``"curvature"`` along lines of curvature, or
         ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K; ``"faces"`` between the faces of a quad mesh; or
         points (k, 3) along curves on the design. Default: those drawn, else the grid.
+    levels
+        Number of values of K between which level lines run.
 
     Raises
     ------
@@ -84,7 +88,7 @@ def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = Non
         lines = even_lines(surface, str(seams), width, design.rims)
         edge = min(edge, width / (EDGES if edges is None else edges))
     elif seams == "levels":
-        lines = level_seams(surface, LEVELS, design.rims)
+        lines = level_seams(surface, levels, design.rims)
     else:
         lines = [_on_surface(design, plane, line, edge) for line in drawn]
     pieces = [piece for line in lines for piece in _pieces(surface, line)]

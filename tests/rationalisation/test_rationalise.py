@@ -14,6 +14,8 @@ from compas_cgc.errors import CGCError
 from compas_cgc.model.problem import Drawing
 from compas_cgc.rationalisation import Rationalised
 from compas_cgc.rationalisation import design as design_module
+from compas_cgc.rationalisation import run as run_module
+from compas_cgc.rationalisation import seams as seams_module
 from compas_cgc.rationalisation.design import read_design
 from compas_cgc.rationalisation.normal_moves import FOLD_LENGTH
 from compas_cgc.rationalisation.normal_moves import NormalMoves
@@ -273,3 +275,30 @@ def test_a_flat_design_does_not_slide_in_its_plane():
     own = compas_cgc.rationalise((vertices @ turn.T / 3.0 + [7.0, -4.0, 1.0], quads), panel=1.2, edges=4, moulds=2)
     assert own.curvatures.tolist() == [0.0]
     assert np.linalg.norm(own.result.vertices - own.panelling.vertices, axis=1).max() < 1e-9
+
+
+def test_a_design_without_area_is_refused():
+    vertices, faces = mesh_over(bumpy("soft", 0), edge=5.0)
+    with pytest.raises(CGCError, match="no area"):
+        read_design((vertices * [0.0, 1.0, 0.0], faces))
+
+
+@pytest.mark.nightly
+def test_of_several_numbers_of_level_lines_the_fair_surface_nearest_to_the_design_is_taken(monkeypatch):
+    shown = []
+    design = read_design(mesh_over(bumpy("soft", 1), edge=1.0))
+    best = compas_cgc.rationalise(design, seams="levels", moulds=4, callback=shown.append)
+    alone = []
+    for levels in seams_module.LEVELS:
+        monkeypatch.setattr(run_module, "LEVELS", (levels,))
+        alone.append(compas_cgc.rationalise(design, seams="levels", moulds=4))
+    fair = [found for found in alone if found.result.verdict.fair]
+    assert best.distance.largest == min(found.distance.largest for found in fair)
+    assert len({found.panelling.panel_count for found in alone}) > 1
+    done = [own.done / own.rounds for own in shown]
+    assert done == sorted(done) and done[-1] <= 1.0
+
+
+def test_panels_between_level_lines_are_not_locked():
+    with pytest.raises(CGCError, match="cannot be locked; give the seams as curves"):
+        compas_cgc.rationalise(DESIGN, seams="levels", moulds=[9.0], locked={0: 0})

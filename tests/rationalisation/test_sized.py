@@ -30,7 +30,7 @@ def test_160_panels_are_near_the_design(kind, seed, moulds):
 
 def test_640_panels_on_eight_moulds():
     design = read_design(mesh_over(bumpy("soft", 0)), tolerance=5e-4)
-    found = compas_cgc.rationalise(design, panel=1.25, moulds=8)
+    found = compas_cgc.rationalise(design, panel=1.26, moulds=8)  # the roof is a little longer than its plan
     assert found.panelling.panel_count == 640 and found.distance.largest <= 0.012
 
 
