@@ -15,6 +15,7 @@ UNIT_SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilome
 
 ZERO_LENGTH = 1e-9  # length relative to the size of a model that is written as 0
 DIGITS = 4
+LARGEST_PLAIN = 1e15  # value from which lengths are written with an exponent
 
 
 def unit_suffix(name: Optional[str]) -> str:
@@ -27,15 +28,15 @@ def length_text(value: float, size: float) -> str:
 
     Examples
     --------
-    >>> length_text(2.33912, 20.0), length_text(3530000.256, 20.0)
-    ('2.339', '3530000.26')
+    >>> length_text(2.33912, 20.0), length_text(3530000.256, 20.0), length_text(2e149, 3e149)
+    ('2.339', '3530000.26', '2e+149')
     """
     if not math.isfinite(value):
         return str(value)
     if abs(value) <= ZERO_LENGTH * size:
         return "0"
     digits = DIGITS + (max(0, math.floor(math.log10(abs(value))) - math.floor(math.log10(size))) if 0.0 < size < math.inf else 0)
-    if abs(value) < 10.0**-DIGITS:
+    if not 10.0**-DIGITS <= abs(value) < LARGEST_PLAIN:
         return f"{value:.{digits}g}"
     return np.format_float_positional(value, digits, unique=False, fractional=False, trim="-")
 

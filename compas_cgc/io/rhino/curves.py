@@ -13,9 +13,10 @@ from .sketch import Drawn
 from .user_text import dot_law
 from .user_text import user_law
 
-__all__ = ["EDGE_ACCURACY", "curve_points", "to_drawn"]
+__all__ = ["EDGE_ACCURACY", "LARGEST", "curve_points", "to_drawn"]
 
 EDGE_ACCURACY = 1e-6  # distance of mesh edges from their curves that matters, relative to the size of the curve
+LARGEST = 1e50  # coordinate that may occur, in any unit: of larger ones products of four overflow soon
 _MAX_POINTS = 20_000
 
 
@@ -52,7 +53,7 @@ def curve_points(curve: Curve, tolerance: float, accuracy: float = 0.0) -> Float
     Returns
     -------
     (k, 3) float64
-        The points. First and last are equal if the curve is closed; empty if the curve has no finite points.
+        The points. First and last are equal if the curve is closed; empty if its coordinates are damaged.
     """
     rhino3dm = rhino3dm_module()
 
@@ -64,7 +65,7 @@ def curve_points(curve: Curve, tolerance: float, accuracy: float = 0.0) -> Float
         fine = max(tolerance, accuracy * _size(curve))
         points = np.array([(p.X, p.Y, p.Z) for p in polyline]) if polyline is not None else _sample(curve, fine)
     points = points.reshape(-1, 3)
-    if not np.isfinite(points).all():
+    if not (np.abs(points) < LARGEST).all():
         return np.empty((0, 3))
     fresh = np.ones(len(points), bool)
     fresh[1:] = (points[1:] != points[:-1]).any(axis=1)

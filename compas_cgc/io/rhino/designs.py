@@ -20,6 +20,7 @@ from .archive import Item
 from .archive import list_items
 from .archive import read_archive
 from .archive import rhino3dm_module
+from .curves import EDGE_ACCURACY
 from .curves import curve_points
 from .meshes import has_mesh
 from .meshes import to_part
@@ -85,7 +86,7 @@ def _drawn_design(path: Union[str, os.PathLike], seams: Optional[str]) -> DrawnD
     if not surfaces:
         raise FileError(f"{path} holds no surface; put the design, a NURBS surface, polysurface, SubD or mesh, on a layer named Design")
     on_seams = [item for item in items if _last(item.layer) == (seams or SEAMS).casefold()]
-    lines = [curve_points(item.geometry, tolerance) for item in on_seams if item.kind == "curve"]
+    lines = [curve_points(item.geometry, tolerance, EDGE_ACCURACY) for item in on_seams if item.kind == "curve"]
     if seams is not None and not lines:
         raise FileError(f"{path}: there are no curves on the layer {seams!r}; draw the seams on it, or choose another layer")
     held = [_places(item, tolerance) for item in items if _last(item.layer) == SUPPORTS and item.kind in ("curve", "point", "point cloud")]

@@ -24,6 +24,7 @@ from ...meshing.surface_mesh import mesh_face
 from ._types import Geometry
 from .archive import Item
 from .archive import rhino3dm_module
+from .curves import LARGEST
 from .curves import curve_points
 from .parametric import ParametricSurface
 from .sketch import Drawn
@@ -123,6 +124,8 @@ def _check_length(item: Item, edge_length: float, unit: str) -> None:
     """Refuse an edge length that is probably in other units than the surface."""
     box = item.geometry.GetBoundingBox()
     size = float(np.linalg.norm([box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z]))
+    if not size < LARGEST:
+        raise FileError(f"{item.label} is {size:.2g} large; its coordinates are damaged, so delete it or draw it again")
     if edge_length > size > 0.0:
         what = "is larger than it"
     elif size > MAX_EDGES * edge_length:

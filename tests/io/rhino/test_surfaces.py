@@ -13,6 +13,7 @@ from compas_cgc import CGCMesh
 from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_areas
 from compas_cgc.discrete.nurbs import NurbsPatch
+from compas_cgc.errors import FileError
 from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino.curves import EDGE_ACCURACY
@@ -331,3 +332,17 @@ def test_a_squeezed_surface_takes_no_memory_for_pairs_of_points():
     distances = np.linalg.norm(spots[kept][:, None] - spots[kept], axis=2) + np.eye(len(kept))
     assert distances.min() >= 0.2 and np.linalg.norm(spots[:, None] - spots[kept], axis=2).min(axis=1).max() <= 0.2
     assert peak < 10e6
+
+
+def test_damaged_coordinates_are_refused(tmp_path):
+    model = rhino3dm.File3dm()
+    attributes = rhino3dm.ObjectAttributes()
+    attributes.LayerIndex = model.Layers.AddLayer("CGC::Mesh", (0, 0, 0, 255))
+    damaged = saddle()
+    corner = damaged.Points[0, 0]
+    corner.Z = 1e149
+    damaged.Points[0, 0] = corner
+    model.Objects.Add(damaged, attributes)
+    assert model.Write(str(tmp_path / "damaged.3dm"), 7)
+    with pytest.raises(FileError, match=r"e\+14\d large; its coordinates are damaged"):
+        read_3dm(tmp_path / "damaged.3dm")
