@@ -23,6 +23,7 @@ from .figures import in_mm
 from .leaders import LED
 from .leaders import READABLE
 from .leaders import led_aside
+from .leaders import sides_of
 from .legend import with_legend
 from .patterns import Patterns
 from .patterns import refuse_others
@@ -135,7 +136,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
         name = f"{piece.label} ({course})"
         texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER_WIDTH * len(name))))))
     boxes, middles = [text_box(own.text, own.place, own.height) for own in texts], [own.place for own in texts]
-    sides = np.concatenate([np.stack([line.points, np.roll(line.points, -1, axis=0)], axis=1) for line in lines])
+    sides = sides_of([line.points for line in lines])
     usual = 0.4 * height
     lengths = [float(arc_lengths(plan[seam.nodes])[-1]) for seam in patterns.seams]
     # Numbers of short seams are led to what room the others leave.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ..discrete.arrays import FloatArray
@@ -11,7 +13,7 @@ from .drawing import Text
 from .drawing import overlap
 from .drawing import text_box
 
-__all__ = ["LED", "READABLE", "crosses", "led_aside"]
+__all__ = ["LED", "READABLE", "crosses", "led_aside", "sides_of"]
 
 READABLE = 0.35  # height of a text relative to that of its drawing, below which it is led aside
 LED = 0.7  # height of a text that is led aside, relative to that of its drawing
@@ -57,3 +59,8 @@ def crosses(sides: FloatArray, box: FloatArray) -> Mask:
     enter = np.where(parallel, np.where(within, 0.0, np.inf), at.min(axis=0))
     leave = np.where(parallel, 1.0, at.max(axis=0))
     return np.asarray(np.maximum(enter.max(axis=1), 0.0) <= np.minimum(leave.min(axis=1), 1.0))
+
+
+def sides_of(loops: Iterable[FloatArray]) -> FloatArray:
+    """Return the segments (k, 2, 2) of closed loops (p, 2)."""
+    return np.concatenate([np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops])

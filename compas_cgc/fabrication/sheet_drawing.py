@@ -30,6 +30,7 @@ from .leaders import LED
 from .leaders import READABLE
 from .leaders import crosses
 from .leaders import led_aside
+from .leaders import sides_of
 from .legend import outside_is_above
 from .legend import outside_note
 from .legend import with_legend
@@ -167,17 +168,12 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         piece, leader = patterns.pieces[number], list[Line]()
         if text.height < READABLE * height:
             foot, middle = point_at(seam.sides[side], 0.5 * arc_lengths(seam.sides[side])[-1:])[0], labels[number].mean(axis=0)
-            leader, text = led_aside(text, foot, middle, LED * height, _sides([loop.points for loop in piece.loops]), taken[number])
+            leader, text = led_aside(text, foot, middle, LED * height, sides_of([loop.points for loop in piece.loops]), taken[number])
         lines += [own._replace(points=own.points + origins[piece.sheet]) for own in leader]
         texts.append(text._replace(place=text.place + origins[piece.sheet]))
     size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
     drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
     return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
-
-
-def _sides(loops: list[FloatArray]) -> FloatArray:
-    """Return the segments of closed loops (k, 2, 2)."""
-    return np.concatenate([np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops])
 
 
 def _title(patterns: Patterns, number: int) -> str:
@@ -229,7 +225,7 @@ def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArra
     radius = 1e3 * metres(patterns.problem.drawing.units) / abs(ruling.bending) if ruling.bending else np.inf
     text = f"R {radius:.0f} {'away' if ruling.bending > 0.0 else 'towards'}" if np.isfinite(radius) else "flat"
     loops = [loop.points for loop in patterns.pieces[ruling.piece].loops]
-    sides = _sides(loops)
+    sides = sides_of(loops)
     length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ruling.points, axis=0), axis=1))]
     for size in height * TEXT_SIZES:
         for share in PLACES:
