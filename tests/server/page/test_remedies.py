@@ -25,13 +25,18 @@ OPEN = (
 )
 
 
+def solve_opened(server, hands, opening: str, sketch: dict, K: float) -> None:
+    """Open a design of a sketch on the page, and press Solve."""
+    hands.open(f"{server.url}/#new")
+    hands.seen(".example")
+    hands.read(opening, sketch, K)
+    hands.seen("#solve")
+    hands.click("#solve")
+
+
 def test_a_button_of_the_verdict_mends_a_rough_surface(tmp_path):
     with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
-        hands.seen(".example")
-        hands.read(OPEN, SKETCH, 0.025)
-        hands.seen("#solve")
-        hands.click("#solve")
+        solve_opened(server, hands, OPEN, SKETCH, 0.025)
         wait_for(lambda: hands.text(".verdict h2") == "Rough" and not hands.shown(BUSY), what="the surface is not rough")
         buttons = hands.read("return [...document.querySelectorAll('.remedies button')].map((each) => each.textContent)")
         # The message names how much the supports carry, so that no search is offered.
@@ -46,11 +51,8 @@ def test_a_button_of_the_verdict_mends_a_rough_surface(tmp_path):
 
 def test_a_button_allows_more_steps_after_the_step_limit(tmp_path):
     with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
-        hands.seen(".example")
-        hands.read(OPEN.replace("targets: [args[1]]", "targets: [args[1]], method: 'newton', settings: { steps: 2 }"), SKETCH, 0.01)
-        hands.seen("#solve")
-        hands.click("#solve")
+        two_steps = OPEN.replace("targets: [args[1]]", "targets: [args[1]], method: 'newton', settings: { steps: 2 }")
+        solve_opened(server, hands, two_steps, SKETCH, 0.01)
         wait_for(lambda: hands.text(".verdict h2") == "Step limit reached" and not hands.shown(BUSY), what="two steps are enough")
         assert hands.text(".remedies button") == "Allow 10 steps"
         hands.click(".remedies button")
@@ -63,11 +65,7 @@ def test_a_button_draws_a_crease_from_an_inward_corner(tmp_path):
     plan = {"unit": "m", "edge": 1.0, "columns": [], "lines": [{"points": outline, "closed": True, "held": [0, 1, 2, 3, 4, 5]}]}
     opened = OPEN.replace("plan: null", f"plan: {json.dumps(plan)}")
     with running_server(tmp_path / "jobs.sqlite", workers=1) as server, open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
-        hands.seen(".example")
-        hands.read(opened, sketch, 0.004)
-        hands.seen("#solve")
-        hands.click("#solve")
+        solve_opened(server, hands, opened, sketch, 0.004)
         wait_for(lambda: hands.text(".verdict h2") not in ("", "Target reached") and not hands.shown(BUSY), what="the surface is not rough")
         label = "Draw a crease from the inward corner"
         hands.read(
