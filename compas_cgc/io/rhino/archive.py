@@ -6,6 +6,7 @@ import os
 import struct
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 from typing import NamedTuple
@@ -15,12 +16,13 @@ import numpy as np
 
 from ..._atomic_write import replacing
 from ..._samples import no_file
+from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ...model.lengths import place_text
 from ._types import Archive
 from ._types import Geometry
 
-__all__ = ["Item", "list_items", "read_archive", "rhino3dm_module", "write_archive"]
+__all__ = ["Item", "box_around", "list_items", "read_archive", "rhino3dm_module", "size_of", "write_archive"]
 
 _MAGIC = b"3D Geometry File Format "
 
@@ -58,11 +60,23 @@ class Item(NamedTuple):
     @property
     def label(self) -> str:
         """Kind, name, place and layer of the object, for errors and notes."""
-        box = self.geometry.GetBoundingBox()
-        low, high = (np.array([corner.X, corner.Y, corner.Z]) for corner in (box.Min, box.Max))
         named = f" {self.name!r}" if self.name else ""
-        size = float(np.linalg.norm(high - low)) or 1.0  # of a point a unit
-        return f"{self.kind}{named} at {place_text(0.5 * (low + high), size)} on layer {self.layer!r}"
+        size = size_of(self.geometry) or 1.0  # of a point a unit
+        return f"{self.kind}{named} at {place_text(box_around([self.geometry]).mean(axis=0), size)} on layer {self.layer!r}"
+
+
+def box_around(geometries: Iterable[Geometry]) -> FloatArray:
+    """Return the lowest and the highest corner of the box around geometries (2, 3) [L]."""
+    boxes = [geometry.GetBoundingBox() for geometry in geometries]
+    low = np.min([(box.Min.X, box.Min.Y, box.Min.Z) for box in boxes], axis=0)
+    high = np.max([(box.Max.X, box.Max.Y, box.Max.Z) for box in boxes], axis=0)
+    return np.array([low, high])
+
+
+def size_of(*geometries: Geometry) -> float:
+    """Return the diagonal of the box around geometries [L]."""
+    low, high = box_around(geometries)
+    return float(np.linalg.norm(high - low))
 
 
 def rhino3dm_module() -> Any:

@@ -9,6 +9,7 @@ from ._types import Curve
 from ._types import Point3d
 from .archive import Item
 from .archive import rhino3dm_module
+from .archive import size_of
 from .sketch import Drawn
 from .user_text import dot_law
 from .user_text import user_law
@@ -62,7 +63,7 @@ def curve_points(curve: Curve, tolerance: float, accuracy: float = 0.0) -> Float
         points = np.concatenate([part for part in parts if len(part)] or [np.empty((0, 3))])
     else:
         polyline = curve.TryGetPolyline()
-        fine = max(tolerance, accuracy * _size(curve))
+        fine = max(tolerance, accuracy * size_of(curve))
         points = np.array([(p.X, p.Y, p.Z) for p in polyline]) if polyline is not None else _sample(curve, fine)
     points = points.reshape(-1, 3)
     if not (np.abs(points) < LARGEST).all():
@@ -100,11 +101,6 @@ def _sample(curve: Curve, tolerance: float) -> FloatArray:
         done[np.column_stack([first, first + 1]).ravel()] = split
         coarse = done
     return points
-
-
-def _size(curve: Curve) -> float:
-    box = curve.GetBoundingBox()
-    return float(np.linalg.norm([box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z]))
 
 
 def _places(points: list[Point3d]) -> FloatArray:

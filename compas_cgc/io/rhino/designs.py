@@ -20,6 +20,7 @@ from .archive import Item
 from .archive import list_items
 from .archive import read_archive
 from .archive import rhino3dm_module
+from .archive import size_of
 from .curves import EDGE_ACCURACY
 from .curves import curve_points
 from .meshes import has_mesh
@@ -144,10 +145,7 @@ def _meshed(item: Item, surfaces: Sequence[Item], tolerance: float) -> tuple[Any
     if item.kind == "mesh":
         return to_part(item)
     try:
-        boxes = [other.geometry.GetBoundingBox() for other in surfaces]
-        low = np.min([(box.Min.X, box.Min.Y, box.Min.Z) for box in boxes], axis=0)
-        high = np.max([(box.Max.X, box.Max.Y, box.Max.Z) for box in boxes], axis=0)
-        made = surface_part(item, float(np.linalg.norm(high - low)) / FINE, tolerance)
+        made = surface_part(item, size_of(*(other.geometry for other in surfaces)) / FINE, tolerance)
         return made.part, made.notes
     except FileError:
         if not has_mesh(item):
@@ -184,8 +182,7 @@ def _untrimmed(brep: Any) -> bool:
         return False
     surface = ParametricSurface(face.UnderlyingSurface())
     span = np.ptp(surface.domain, axis=1)
-    box = brep.GetBoundingBox()
-    reach = 1e-6 * float(np.linalg.norm([box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z]))
+    reach = 1e-6 * size_of(brep)
     for edge in brep.Edges:
         uv = surface.pulled_back(curve_points(edge, reach), reach)
         sides = (np.abs(uv[:, :, None] - surface.domain) <= 1e-6 * span[:, None]).all(axis=0)

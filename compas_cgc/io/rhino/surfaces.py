@@ -23,7 +23,9 @@ from ...meshing.surface_mesh import FaceMesh
 from ...meshing.surface_mesh import mesh_face
 from ._types import Geometry
 from .archive import Item
+from .archive import box_around
 from .archive import rhino3dm_module
+from .archive import size_of
 from .curves import LARGEST
 from .curves import curve_points
 from .parametric import ParametricSurface
@@ -63,10 +65,7 @@ class MeshedSurface(NamedTuple):
 
 def default_edge_length(items: Sequence[Item]) -> float:
     """Return the default edge length for surfaces [L]."""
-    boxes = [item.geometry.GetBoundingBox() for item in items]
-    low = np.min([(box.Min.X, box.Min.Y, box.Min.Z) for box in boxes], axis=0)
-    high = np.max([(box.Max.X, box.Max.Y, box.Max.Z) for box in boxes], axis=0)
-    return rounded_length(np.array([low, high]))
+    return rounded_length(box_around(item.geometry for item in items))
 
 
 def rounded_length(points: FloatArray) -> float:
@@ -122,8 +121,7 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
 
 def _check_length(item: Item, edge_length: float, unit: str) -> None:
     """Refuse an edge length that is probably in other units than the surface."""
-    box = item.geometry.GetBoundingBox()
-    size = float(np.linalg.norm([box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z]))
+    size = size_of(item.geometry)
     if not size < LARGEST:
         raise FileError(f"{item.label} is {size:.2g} large; its coordinates are damaged, so delete it or draw it again")
     if edge_length > size > 0.0:
