@@ -57,7 +57,8 @@ def dividing_creases(problem: CGCProblem) -> list[Remedy]:
     Many of them have no fair surface although those that :func:`inward_edges` names are excluded for certain.
     """
     convex = [region for region, K in enumerate(problem.region_targets()) if K is not None and K > 0.0]
-    return _as_remedies([line for region in convex for line in _dividing(problem, problem.faces[problem.regions() == region])])
+    regions = problem.regions()
+    return _as_remedies([line for region in convex for line in _dividing(problem, problem.faces[regions == region])])
 
 
 def _as_remedies(lines: list[_Crease]) -> list[Remedy]:

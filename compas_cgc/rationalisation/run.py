@@ -146,13 +146,20 @@ def rationalise(
             raise CGCError(f"{name} must be a length above zero, in the units of the design, not {value!r}")
     read = read_design(design, tolerance=tolerance, finest=None if within is None else FIT_PART * within)
     _check_scale(read, panel, within, moulds)
-    if locked and isinstance(seams, str) and seams == "levels":
+    by_levels = isinstance(seams, str) and seams == "levels"
+    if locked and by_levels:
         raise CGCError("panels between level lines are found anew in every run and cannot be locked; give the seams as curves")
-    panellings = _panellings(read, panel, edges, seams)
-    found: list[Rationalised] = []
-    stop = _Stop(callback, len(panellings))
+    numbers = LEVELS if by_levels else LEVELS[:1]
+    found, failed = list[Rationalised](), list[MeshError]()
+    stop = _Stop(callback, len(numbers))
     left = None if within is None else within - read.deviation
-    for panelling in panellings:
+    for past, levels in enumerate(numbers):
+        stop.past = past
+        try:
+            panelling = panels_of(read, panel, edges, seams, levels)
+        except MeshError as error:
+            failed.append(error)
+            continue
         fixed = _fixed(read, panelling, supports)
         moves = NormalMoves(panelling, fixed)
         best = _assigned(moves, moulds, flat, left, locked, stop)
@@ -160,7 +167,8 @@ def rationalise(
         found.append(_result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels)))
         if stop.stopped:
             break
-        stop.past += 1
+    if not found:
+        raise failed[0]
     return min(found, key=lambda own: _rank(own, moulds is None))
 
 
@@ -168,21 +176,6 @@ def _rank(found: Rationalised, fewest: bool) -> tuple[bool, bool, int, float]:
     """Return what the best of several divisions has least of: fair surfaces first, then the nearest, or those with the fewest moulds."""
     fair = found.result.converged and found.result.verdict.fair
     return not fair, fewest and not found.kept, len(found.curvatures) if fewest else 0, found.distance.largest
-
-
-def _panellings(design: Design, panel: Optional[float], edges: Optional[int], seams: SeamsInput) -> list[Panelling]:
-    """Return the panels of a design: one division, or for level lines those of several numbers of levels."""
-    if not (isinstance(seams, str) and seams == "levels"):
-        return [panels_of(design, panel, edges, seams)]
-    found, failed = [], None
-    for levels in LEVELS:
-        try:
-            found.append(panels_of(design, panel, edges, seams, levels))
-        except MeshError as error:
-            failed = failed or error
-    if failed is not None and not found:
-        raise failed
-    return found
 
 
 def _check_scale(design: Design, panel: Optional[float], within: Optional[float], moulds: MouldsInput) -> None:
