@@ -159,8 +159,7 @@ def given_design(design: DesignInput, seams: Optional[str] = None) -> GivenDesig
         return GivenDesign(design, np.empty((0, 3)), ())
     if isinstance(design, (str, os.PathLike)):
         return _from_file(Path(design), seams)
-    vertices, polygons, drawing = _arrays_of(design)
-    return GivenDesign(None, vertices, polygons, drawing=drawing)
+    return _of_mesh(design)
 
 
 def _from_file(path: Path, seams: Optional[str]) -> GivenDesign:
@@ -186,11 +185,12 @@ def _from_file(path: Path, seams: Optional[str]) -> GivenDesign:
     return GivenDesign(surface, drawn.vertices, polygons, drawn.tolerance, *of_drawing)
 
 
-def _arrays_of(design: Any) -> tuple[FloatArray, list[list[int]], Drawing]:
-    """Return the polygons of a mesh in any form."""
+def _of_mesh(design: Any) -> GivenDesign:
+    """Return the design of a mesh in any form, with its supports."""
     if hasattr(design, "to_problem"):
         problem = design.to_problem().without_dummies()
-        return problem.vertices, problem.faces.tolist(), problem.drawing
+        held = tuple(problem.vertices[problem.supports, None])
+        return GivenDesign(None, problem.vertices, problem.faces.tolist(), supports=held, drawing=problem.drawing)
     if hasattr(design, "to_vertices_and_faces"):
         vertices, faces = design.to_vertices_and_faces()
     elif isinstance(design, Sequence) and not isinstance(design, str) and len(design) == 2:
@@ -200,7 +200,7 @@ def _arrays_of(design: Any) -> tuple[FloatArray, list[list[int]], Drawing]:
     V = np.asarray(vertices, dtype=np.float64)
     if V.ndim != 2 or V.shape[1] != 3 or not np.isfinite(V).all():
         raise CGCError(f"vertices of a design must be finite numbers (n, 3), not of shape {V.shape}")
-    return V, [list(map(int, face)) for face in faces], Drawing()
+    return GivenDesign(None, V, [list(map(int, face)) for face in faces])
 
 
 def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: Optional[float], limit: float = np.inf) -> Design:

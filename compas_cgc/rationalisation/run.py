@@ -103,7 +103,7 @@ def rationalise(
     flat
         Whether one of the moulds is flat, K = 0. Default: whichever is nearer to the design.
     supports
-        Points (k, 3) that are held; ``"corners"``, ``"boundary"`` or ``"none"``. Default: those of the file, else the corners.
+        Points (k, 3) that are held; ``"corners"``, ``"boundary"`` or ``"none"``. Default: those of the design, else the corners.
     edges
         Edges of the mesh along the side of a panel. Default: four, or more where panels are few.
     tolerance

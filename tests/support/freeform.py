@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Callable
 
 import numpy as np
@@ -53,3 +54,20 @@ def quarter_torus(major: float = 8.0, minor: float = 2.0) -> SplineSurface:
             control[i, j] = np.array([radius * x, radius * y, minor * q, 1.0]) * w * v
     full = np.array([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4], dtype=float)
     return SplineSurface(control, (np.array([0.0, 0, 0, 1, 1, 1]), full), (2, 2))
+
+
+def nurbs_file(path: Path, heights: Heights, length: float, width: float) -> None:
+    """Write a smooth surface over a rectangle, as a NURBS surface of a .3dm file in metres whose control points have these heights."""
+    import rhino3dm
+
+    surface = rhino3dm.NurbsSurface.Create(3, False, 4, 4, 7, 6)
+    for knots, count in ((surface.KnotsU, 7), (surface.KnotsV, 6)):
+        knots.CreateUniformKnots(1.0)
+        assert len(knots) == count + 2
+    for i, x in enumerate(np.linspace(0.0, length, 7)):
+        for j, y in enumerate(np.linspace(0.0, width, 6)):
+            surface.Points[i, j] = rhino3dm.Point4d(x, y, heights(x, y), 1.0)
+    model = rhino3dm.File3dm()
+    model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
+    model.Objects.AddSurface(surface)
+    model.Write(str(path), 7)

@@ -19,9 +19,9 @@ from .archive import Item
 from .user_text import dot_law
 from .user_text import user_law
 
-__all__ = ["RESULT", "LayerNames", "Selection", "layer_names", "select"]
+__all__ = ["RATIONALISED", "RESULT", "LayerNames", "Selection", "layer_names", "select"]
 
-RESULT = "CGC Result"
+RESULT, RATIONALISED = "CGC Result", "CGC Rationalised"
 _SURFACES = ("Brep", "Extrusion", "SubD", "Surface", "NurbsSurface", "RevSurface", "PlaneSurface", "SumSurface")
 _POINTS = ("point", "point cloud")
 
@@ -63,7 +63,7 @@ class LayerNames:
 
     def role(self, layer: str) -> Optional[str]:
         """Return the role of a layer (full path): a field of this class, ``"result"`` or None."""
-        if _within(layer, RESULT):
+        if _within(layer, RESULT) or _within(layer, RATIONALISED):
             return "result"
         for field in fields(self):
             if any(_within(layer, name) for name in getattr(self, field.name)):

@@ -18,6 +18,7 @@ from .archive import read_archive
 from .archive import write_archive
 from .colours import largest
 from .colours import signed_colours
+from .layers import RATIONALISED
 from .meshes import coloured
 from .meshes import mesh_from_arrays
 from .result_layers import draw_result
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["RATIONALISED", "PanelClasses", "write_panels"]
 
-RATIONALISED = "CGC Rationalised"
 _COLOURS = (
     (232, 196, 143),
     (127, 166, 173),

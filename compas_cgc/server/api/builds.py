@@ -82,8 +82,8 @@ def _read(task: str, given: Mapping[str, Any]) -> dict[str, Any]:
         raise Unprocessable(sentence_of(error)) from None
 
 
-def built(task: str, problem: CGCProblem, given: Mapping[str, Any], notes: list[str]) -> tuple[str, bytes]:
-    """Run a task in a worker, and return one sentence that summarises the result, and the archive.
+def built(task: str, problem: Any, given: Mapping[str, Any], notes: list[str]) -> tuple[str, bytes]:
+    """Run a task on a problem, or on a design, in a worker; return one sentence that summarises the result, and the archive.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def built(task: str, problem: CGCProblem, given: Mapping[str, Any], notes: list[
     report({"task": task, "stage": "build", "step": 1, "steps": _STAGES})
     if task in SEARCHES:
         found = SEARCHES[task].run(problem, settings)
-        data = {**found.data, "notes": notes, "task": task, "formats": ["arrays", *found.files]}
+        data = {**found.data, "notes": [*notes, *found.notes], "task": task, "formats": ["arrays", *found.files]}
         return found.message, _archive({"arrays": _encoded(data), **found.files})
     made = build(task, problem, settings)
     report({"task": task, "stage": "write", "step": 2, "steps": _STAGES})

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Optional
 
 from ..._version import __version__
+from .design_files import DESIGN_KINDS
 from .formats import FORMATS
 from .mesh_files import KINDS
 from .moulds import MOULD_FORMATS
@@ -26,6 +27,7 @@ from .schemas import PAGE
 from .schemas import PLAN
 from .schemas import PLAN_KINDS
 from .schemas import PROBLEM
+from .schemas import SURFACE
 from .schemas import TASKS
 from .schemas import build_schema
 from .schemas import drawing_schema
@@ -60,6 +62,7 @@ OPERATIONS = {
     ("get", "/api/v1/shared/{token}"): "getSharedDesign",
     ("post", "/api/v1/models"): "readModel",
     ("post", "/api/v1/plans"): "readPlan",
+    ("post", "/api/v1/surfaces"): "readSurface",
     ("post", "/api/v1/drawings"): "meshDrawing",
     ("post", "/api/v1/curvatures"): "measureCurvatures",
     ("get", "/api/v1/examples"): "listExamples",
@@ -135,7 +138,7 @@ def _description() -> dict:
                         *("400", "401", "404", "409", "410", "413", "415", "422", "429"),
                     ),
                     "parameters": [
-                        {"name": "kind", "in": "query", "schema": {"enum": ["json", "3dm", "obj"]}},
+                        {"name": "kind", "in": "query", "schema": {"enum": ["json", *dict.fromkeys((*KINDS, *DESIGN_KINDS))]}},
                         {
                             "name": "follow",
                             "in": "query",
@@ -249,6 +252,20 @@ def _description() -> dict:
                 ],
                 "post": {
                     **_operation("Read the curves and points of a drawing", {"200": _json(PLAN)}, "400", "401", "413", "415", "422", "429"),
+                    "requestBody": {
+                        "required": True,
+                        "content": {"application/octet-stream": {"schema": BYTES}},
+                    },
+                },
+            },
+            "/api/v1/surfaces": {
+                "parameters": [{"name": "kind", "in": "query", "required": True, "schema": {"enum": list(DESIGN_KINDS)}}],
+                "post": {
+                    **_operation(
+                        "Return the surface of a freeform design as a mesh",
+                        {"200": _json(SURFACE)},
+                        *("400", "401", "413", "415", "422", "429"),
+                    ),
                     "requestBody": {
                         "required": True,
                         "content": {"application/octet-stream": {"schema": BYTES}},

@@ -35,6 +35,7 @@ from .builds import tasks
 from .decoding import check_length
 from .decoding import is_light
 from .decoding import packed
+from .design_files import DESIGN_KINDS
 from .formats import FORMATS
 from .formats import SHOWN
 from .formats import encoded
@@ -103,14 +104,14 @@ def submit() -> Response:
             given = with_result(read, jobs().result)
             g.spent = {"check": time.perf_counter() - started}
             job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
-    elif kind in KINDS:
+    elif kind in KINDS or kind in DESIGN_KINDS:
         length = request.content_length or 0
         given = file_submission(kind, length, request.args.get("options", "{}"), limits)
         # The file goes from the connection to the disk in pieces; few at a time, as they share the disk.
         with current_app.extensions["bodies"].held(length, client_name()):
             job, _ = jobs().submit(given.kind, request.stream, given.options, given.id, client_name())
     else:
-        raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
+        raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}; or for the task rationalise {', '.join(DESIGN_KINDS)}")
     # If all slots are taken, respond at once; the client polls.
     if follow and _wait_slots().acquire(blocking=False):
         return _stream(job.id, with_surface="task" not in given.options)

@@ -31,6 +31,7 @@ __all__ = [
     "PAGE",
     "PROBLEM",
     "STATES",
+    "SURFACE",
     "TASKS",
     "build_schema",
     "drawing_schema",
@@ -334,3 +335,18 @@ def build_schema() -> dict:
 def _settings_of(task: dict) -> dict:
     properties = {own["name"]: {name: value for name, value in own.items() if name != "name"} for own in task["options"]}
     return {"title": task["name"], "type": "object", "additionalProperties": False, "properties": properties}
+
+
+SURFACE = {
+    "type": "object",
+    "required": ["unit", "vertices", "faces", "smooth", "supports", "seams", "notes"],
+    "properties": {
+        "unit": {"enum": list(UNITS)},
+        "vertices": {"type": "array", "items": _POINT},
+        "faces": {"type": "array", "items": {**INDICES, "minItems": 3, "maxItems": 3}},
+        "smooth": {"type": "boolean", "description": "whether the mesh only samples a smooth surface"},
+        "supports": {"type": "array", "items": {"type": "array", "items": _POINT}, "description": "points, and points along curves"},
+        "seams": {"type": "array", "items": {"type": "array", "items": _POINT}, "description": "points along drawn curves"},
+        "notes": {"type": "array", "items": {"type": "string"}},
+    },
+}

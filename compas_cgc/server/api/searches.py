@@ -6,7 +6,9 @@ import json
 import math
 import tempfile
 from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 from typing import Any
 from typing import Callable
 from typing import NamedTuple
@@ -19,6 +21,9 @@ from ...fabrication import option_values as values
 from ...fabrication.plain_data import plain
 from ...fabrication.tasks import BuildOption
 from ...model.problem import CGCProblem
+
+if TYPE_CHECKING:
+    from ...rationalisation.design import GivenDesign
 
 __all__ = ["SEARCHES", "Found", "Search"]
 
@@ -34,6 +39,7 @@ class Found(NamedTuple):
     message: str
     data: dict  # ready for JSON
     files: Mapping[str, bytes] = {}  # by format
+    notes: Sequence[str] = ()  # on the drawing or design
 
 
 class Search(NamedTuple):
@@ -43,7 +49,8 @@ class Search(NamedTuple):
     text: str
     options: tuple[BuildOption, ...]
     formats: tuple[str, ...]  # besides arrays
-    run: Callable[[CGCProblem, Mapping[str, Any]], Found]
+    run: Callable[[Any, Mapping[str, Any]], Found]  # of a CGCProblem, or of a design
+    of_designs: bool = False  # whether files are read as designs
 
 
 def _share(value: object, name: str) -> float:
@@ -92,7 +99,7 @@ def _limits(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
     return Found(limit.message, {**limit.to_dict(), "text": limit.message})
 
 
-def _rationalised(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
+def _rationalised(design: Union[CGCProblem, GivenDesign], settings: Mapping[str, Any]) -> Found:
     from ...io.rhino.panel_layers import PanelClasses
     from ...io.rhino.panel_layers import write_panels
     from ...rationalisation import rationalise
@@ -102,20 +109,19 @@ def _rationalised(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
         report({"task": "rationalise", "stage": "build", "step": state.done, "steps": state.rounds, "distance": state.distance})
         return stop_wanted()
 
-    own = problem.without_dummies()
-    held = {} if "supports" in settings or not len(own.supports) else {"supports": own.vertices[own.supports]}
-    given = {"moulds": None if "within" in settings else 4, **settings, **held}
+    given = {"moulds": None if "within" in settings else 4, **settings}
     if "radii" in given:
         if "moulds" in settings:
             raise CGCError("moulds is a number of moulds and radii are those of moulds that exist; give one of them")
         given["moulds"] = given.pop("radii")
-    found = rationalise(own, callback=watch, **given)
+    found = rationalise(design, callback=watch, **given)
     arrays = {
         "vertices": found.result.vertices,
         "faces": found.result.problem.faces,
         "panel_of_face": found.panels,
         "distances": found.distance.signed,  # at vertices [L]
         "seams": found.panelling.seams,
+        "supports": found.result.problem.supports,
     }
     data = {**plain(found.to_dict()), **{name: array.tolist() for name, array in arrays.items()}, "text": found.summary}
     record = json.dumps(plain(found.to_dict()), ensure_ascii=False)
@@ -123,7 +129,7 @@ def _rationalised(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "panels.3dm"
         write_panels(path, found.result, classes, {"compas_cgc.rationalised": record})
-        return Found(found.summary.splitlines()[0], data, {"3dm": path.read_bytes()})
+        return Found(found.summary.splitlines()[0], data, {"3dm": path.read_bytes()}, found.design.notes)
 
 
 SEARCHES: dict[str, Search] = {
@@ -192,6 +198,7 @@ SEARCHES: dict[str, Search] = {
             ),
             ("3dm",),
             _rationalised,
+            of_designs=True,
         ),
     )
 }

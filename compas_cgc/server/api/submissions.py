@@ -16,15 +16,18 @@ from .builds import TASK_NAMES
 from .builds import check_build
 from .builds import is_build
 from .decoding import read_json
+from .mesh_files import KINDS
 from .options import OPTIONS
 from .options import check_options
 from .requests import MESH
 from .requests import accept
+from .searches import SEARCHES
 from .serialization import NO_SURFACE
 
 __all__ = ["FILE_OPTIONS", "Submission", "file_submission", "json_submission", "with_result"]
 
 OF_A_SOLVE = ("method", "live", "last")
+OF_A_DESIGN = ("name", "unit", "id")
 LONGEST_NAME = 100  # characters
 FILE_OPTIONS = ("task", *OPTIONS)
 
@@ -99,12 +102,16 @@ def file_submission(kind: str, size: int, text: str, limits: Limits) -> Submissi
     if not isinstance(options, dict) or set(options) - set(FILE_OPTIONS):
         raise Unprocessable(f"'options' must be a JSON object with fields from {', '.join(FILE_OPTIONS)}")
     task = _task_of(options)
+    if kind not in KINDS and not _takes_designs(task):
+        raise Unprocessable(f"the task {task} takes files of the kinds {' and '.join(KINDS)}, not {kind}")
     if task == SOLVE:
         own = _without(options, "task")
         check_options(own, None, limits)
         return Submission(kind, b"", _without(own, "id"), _id_of(own))
     own = _without(options, "task", "settings")
     _refuse_options_of_a_solve(own, task)
+    if _takes_designs(task):
+        _refuse_options_of_a_drawing(own, task)
     check_options(own, None, limits)
     common = {"task": task, "settings": check_build(task, options.get("settings"), limits)}
     return Submission(kind, b"", {**_without(own, "id"), **common}, _id_of(own))
@@ -123,6 +130,16 @@ def _refuse_options_of_a_solve(value: Mapping[str, Any], task: str) -> None:
     wrong = next((name for name in OF_A_SOLVE if name in value), None)
     if wrong is not None:
         raise Unprocessable(f"{wrong!r} is an option of a solve, but the task is {task}; leave it out")
+
+
+def _takes_designs(task: str) -> bool:
+    return task in SEARCHES and SEARCHES[task].of_designs
+
+
+def _refuse_options_of_a_drawing(value: Mapping[str, Any], task: str) -> None:
+    wrong = next((name for name in value if name not in OF_A_DESIGN), None)
+    if wrong is not None:
+        raise Unprocessable(f"{wrong!r} is no option of a file for the task {task}; its options are in 'settings'")
 
 
 def _without(value: Any, *names: str) -> Any:

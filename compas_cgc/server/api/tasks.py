@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
+from typing import Union
 
 import numpy as np
 
@@ -14,6 +16,7 @@ from ...execution.worker import report
 from ...execution.worker import stop_wanted
 from ...fabrication.tasks import TASKS
 from ...model.checks import check
+from ...model.problem import CGCProblem
 from ...model.result import FAILED
 from ...model.result import SolveState
 from ...solvers.registry import method_of
@@ -24,6 +27,8 @@ from ..jobs.output import JobOutput
 from ..limits import Limits
 from .builds import SOLVE
 from .builds import built
+from .design_files import DESIGN_KINDS
+from .design_files import read_design_file
 from .last_surface import gone_on
 from .remedies import remedies_in
 from .remedies import remedies_of
@@ -31,8 +36,12 @@ from .requests import READERS
 from .requests import SOLVED_READERS
 from .requests import Reader
 from .requests import SolveRequest
+from .searches import SEARCHES
 from .serialization import pack_result
 from .wording import in_request_words
+
+if TYPE_CHECKING:
+    from ...rationalisation.design import GivenDesign
 
 __all__ = ["Progress", "run_request", "solve_job"]
 
@@ -120,13 +129,21 @@ def _build_job(kind: str, options: dict, body: bytes, limits: Limits) -> JobOutp
     """Run a task on a solved surface, or search for its limits."""
     task, rest = options["task"], {name: value for name, value in options.items() if name not in ("task", "settings")}
     report({"task": task, "stage": "read", "step": 0})
-    readers: Mapping[str, Reader] = SOLVED_READERS if task in TASKS else READERS
     try:
-        request = readers[kind](rest, body, limits)
-        message, content = built(task, request.problem, options.get("settings") or {}, list(request.notes))
+        subject, notes = _subject(task, kind, rest, body, limits)
+        message, content = built(task, subject, options.get("settings") or {}, notes)
     except (RequestError, ValueError) as error:
         return _refused(error)
     return JobOutput(message, content)
+
+
+def _subject(task: str, kind: str, options: dict, body: bytes, limits: Limits) -> tuple[Union[CGCProblem, GivenDesign], list[str]]:
+    """Return the surface or design of a task, and notes on it."""
+    if task in SEARCHES and SEARCHES[task].of_designs and kind in DESIGN_KINDS:
+        return read_design_file(kind, body, options, limits), []
+    readers: Mapping[str, Reader] = SOLVED_READERS if task in TASKS else READERS
+    request = readers[kind](options, body, limits)
+    return request.problem, list(request.notes)
 
 
 def _refused(error: Exception) -> JobOutput:

@@ -7,13 +7,17 @@ import math
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 from typing import Optional
 
 import numpy as np
 
 from ...discrete import face_areas
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
 from ...errors import FileError
 from ...io.plans.plan import plan_data
+from ...meshing import triangles_of
 from ...model.checks import check
 from ...model.constraint_data import constraint_data
 from ...model.lengths import unit_suffix
@@ -22,6 +26,7 @@ from ...model.problem import PosesProblem
 from ...model.roles import CREASE
 from ...model.roles import ROLES
 from ..api.decoding import check_size
+from ..api.design_files import read_design_file
 from ..api.mesh_files import read_upload
 from ..api.remedies import remedies_in
 from ..api.units import UNITS
@@ -29,7 +34,12 @@ from ..api.wording import in_request_words
 from ..errors import Unprocessable
 from ..limits import Limits
 
-__all__ = ["contents", "read_example", "read_model", "read_plan"]
+if TYPE_CHECKING:
+    from ...rationalisation import SplineSurface
+
+__all__ = ["contents", "read_example", "read_model", "read_plan", "read_surface"]
+
+SAMPLES = 48  # cells along each parameter of a smooth surface that is shown
 
 
 def read_model(kind: str, body: bytes, name: str, limits: Limits, edge_length: Optional[float] = None) -> bytes:
@@ -92,6 +102,50 @@ def read_plan(kind: str, body: bytes, join: Optional[float]) -> bytes:
         raise Unprocessable(f"the file holds no curves; {'; '.join(plan.notes)}")
     short = {full: own for own, full in UNITS.items()}
     return _json({**plan_data(plan), "unit": short.get(plan.unit, "")})
+
+
+def read_surface(kind: str, body: bytes, limits: Limits) -> bytes:
+    """Return the surface in the bytes of a freeform design as a mesh, with what is drawn beside it, as JSON.
+
+    Parameters
+    ----------
+    kind
+        One of :data:`~compas_cgc.server.api.design_files.DESIGN_KINDS`.
+    body
+        The file.
+    limits
+        Limits of the server.
+
+    Raises
+    ------
+    Unprocessable, TooLarge
+        If the file cannot be read or is too large.
+    """
+    try:
+        given = read_design_file(kind, body, {}, limits)
+        shown = (given.vertices, triangles_of(given.vertices, given.polygons)[0]) if given.surface is None else _sampled(given.surface)
+    except ValueError as error:
+        raise Unprocessable(in_request_words(error)) from None
+    return _json(
+        {
+            "unit": unit_suffix(given.drawing.units).strip(),
+            "vertices": shown[0].tolist(),
+            "faces": shown[1].tolist(),
+            "smooth": given.surface is not None,
+            "supports": [line.tolist() for line in given.supports],
+            "seams": [line.tolist() for line in given.seams],
+            "notes": list(given.notes),
+        }
+    )
+
+
+def _sampled(surface: SplineSurface) -> tuple[FloatArray, IntArray]:
+    """Return points (n, 3) and triangles (m, 3) of a grid on a surface."""
+    u, v = (np.linspace(low, high, SAMPLES + 1) for low, high in surface.domain.tolist())
+    row = SAMPLES + 1
+    first = (np.arange(SAMPLES)[:, None] * row + np.arange(SAMPLES)).reshape(-1, 1)
+    corners = np.concatenate([first + np.array(own) for own in ((0, row, row + 1), (0, row + 1, 1))])
+    return surface.at(np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)), corners
 
 
 def read_example(name: str, title: str, text: str) -> bytes:

@@ -17,6 +17,7 @@ from ...io.formats import listed
 from ..api.blocking_calls import run_in_reader
 from ..api.decoding import check_length
 from ..api.decoding import read_json
+from ..api.design_files import DESIGN_KINDS
 from ..api.mesh_files import KINDS
 from ..api.requests import accept
 from ..api.responses import respond
@@ -32,6 +33,7 @@ from .gallery import GALLERY
 from .preview import read_example
 from .preview import read_model
 from .preview import read_plan
+from .preview import read_surface
 
 __all__ = ["index", "page", "wants_page"]
 
@@ -115,12 +117,15 @@ def _content(path: Path) -> bytes:
     content = path.read_bytes()
     if path.name != "index.html":
         return content
-    meshes, plans = ([f".{kind}" for kind in kinds] for kinds in (KINDS, PLAN_KINDS))
+    meshes, plans, designs = ([f".{kind}" for kind in kinds] for kinds in (KINDS, PLAN_KINDS, DESIGN_KINDS))
     words = {
         "accept": ",".join(dict.fromkeys([*meshes, *plans, ".json"])),
         "meshes": " ".join(KINDS),
         "plans": " ".join(PLAN_KINDS),
+        "accept designs": ",".join(designs),
+        "designs": " ".join(DESIGN_KINDS),
         "mesh files": listed(meshes),
+        "design files": listed(designs),
         "plan files": listed(plans),
     }
     for name, text in words.items():
@@ -151,6 +156,18 @@ def plan() -> Response:
         if not body:
             raise BadRequest("the request is empty; send the bytes of the file")
         return Response(run_in_reader(read_plan, kind, body, _join()), mimetype="application/json")
+
+
+@page.post("/api/v1/surfaces")
+def surface() -> Response:
+    """Return the surface of a freeform design as a mesh."""
+    kind = request.args.get("kind", "")
+    if kind not in DESIGN_KINDS:
+        raise Unprocessable(f"'kind' must be {' or '.join(DESIGN_KINDS)}; save the design in one of these formats")
+    with body_held() as body:
+        if not body:
+            raise BadRequest("the request is empty; send the bytes of the file")
+        return Response(run_in_reader(read_surface, kind, body, current_app.config["LIMITS"]), mimetype="application/json")
 
 
 def _join() -> Optional[float]:

@@ -22,10 +22,12 @@ from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication.option_values import ALONG
 from compas_cgc.fabrication.panelling import panels as divided
+from compas_cgc.io import read_problem
 
 from ...support.constant_curvature import cone
 from ...support.constant_curvature import revolved_patch
 from ...support.freeform import mesh_over
+from ...support.freeform import nurbs_file
 from ...support.server_process import KEY
 from ...support.server_process import wait_for
 from ...support.shapes import grid
@@ -176,6 +178,47 @@ def test_seams_moulds_and_locked_panels_of_a_design_are_given(client):
     assert np.abs(on_seam[:, 1] - 0.3 * on_seam[:, 0]).max() < 0.02
     with pytest.raises((Failed, Refused), match="give one of them"):
         client.build("rationalise", vertices, np.array(quads), settings={"radii": [4.0], "moulds": 2})
+
+
+def bowl(x, y):
+    return 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2
+
+
+def build_of_file(client, path, **options):
+    """Submit a file as a design, and return its result once it is there, with its id."""
+    id = client.submit_file(path.read_bytes(), path.suffix[1:], task="rationalise", **options)
+    wait_for(lambda: client.poll(id, wait=20)["state"] == "succeeded")
+    return {**client.result(id), "id": id}
+
+
+def test_a_file_is_read_as_the_design_that_it_is(client, tmp_path):
+    """A smooth surface is not meshed before, an .stl is taken here only, and an .obj keeps its supports."""
+    nurbs_file(tmp_path / "roof.3dm", bowl, 8.0, 4.0)
+    settings = {"panel": 2.0, "moulds": 2, "edges": 3}
+    smooth = build_of_file(client, tmp_path / "roof.3dm", settings=settings, name="Hall")
+    assert smooth["fit_deviation"] == 0.0 and smooth["units"] == "Meters" and smooth["panels"] == 8 and len(smooth["supports"]) == 4
+    (tmp_path / "panels.3dm").write_bytes(client.result(smooth["id"], "3dm"))
+    read = read_problem(tmp_path / "panels.3dm").checked()
+    assert np.array_equal(read.vertices, smooth["vertices"]) and read.regions().max() == 7, "its file is that roof again"
+    vertices, quads = mesh_over(bowl, 8.0, 4.0, 0.25)
+    faces = [triangle for a, b, c, d in quads for triangle in ((a, b, c), (a, c, d))]
+    for suffix, held in ((".stl", 4), (".obj", 3)):
+        write(tmp_path / f"roof{suffix}", CGCProblem(vertices, faces).with_supports([0, 16, len(vertices) - 1]))
+        meshed = build_of_file(client, tmp_path / f"roof{suffix}", settings=settings, unit="mm")
+        assert 0.0 < meshed["fit_deviation"] < 1e-3 and meshed["units"] == "Millimeters" and len(meshed["supports"]) == held
+        assert meshed["panels"] == 8 and meshed["distance"]["max"] < 0.05
+
+
+def test_files_of_designs_are_refused_where_they_are_none(client, tmp_path):
+    nurbs_file(tmp_path / "roof.3dm", bowl, 8.0, 4.0)
+    body = (tmp_path / "roof.3dm").read_bytes()
+    with pytest.raises(Refused, match="the task unroll takes files of the kinds 3dm and obj, not stl"):
+        client.submit_file(b"solid", "stl", task="unroll")
+    with pytest.raises(Refused, match="'supports' is no option of a file for the task rationalise"):
+        client.submit_file(body, "3dm", task="rationalise", supports="boundary")
+    id = client.submit_file(b"no file", "step", task="rationalise")
+    wait_for(lambda: client.poll(id, wait=20)["state"] == "failed")
+    assert "STEP" in client.poll(id)["message"] and "/" not in client.poll(id)["message"]
 
 
 def test_the_list_of_tasks_is_the_table(client):

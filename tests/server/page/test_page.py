@@ -30,6 +30,7 @@ from compas_cgc.server.page.preview import contents
 from compas_cgc.server.page.routes import FILES
 from compas_cgc.server.page.routes import STATIC
 
+from ...support.freeform import nurbs_file
 from ...support.hands import WEB
 from ...support.rhino_models import dots_of
 from ...support.rhino_models import result_of
@@ -251,6 +252,34 @@ def test_what_cannot_be_read_is_refused_with_a_sentence(small, tmp_path):
         assert answer.status_code == status and len(answer.json["message"]) > 20, (kind, body[:10], answer.json)
         assert "tmp" not in answer.json["message"] and "Traceback" not in answer.json["message"]
     assert small.get("/api/v1/examples/../../secret").status_code == 404
+
+
+def test_the_surface_of_a_design_is_sampled_where_it_is_smooth(client, small, tmp_path):
+    def height(x, y):
+        return 1.0 - 0.03 * (x - 4.0) ** 2
+
+    nurbs_file(tmp_path / "roof.3dm", height, 8.0, 4.0)
+    body = (tmp_path / "roof.3dm").read_bytes()
+    found = client.post("/api/v1/surfaces?kind=3dm", data=body).json
+    V, F = np.array(found["vertices"]), np.array(found["faces"])
+    assert found["unit"] == "m" and found["smooth"] and np.ptp(V, axis=0)[:2] == pytest.approx([8.0, 4.0])
+    sides = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
+    assert (sides[:, 2] > 0.0).all() and 0.5 * sides[:, 2].sum() == pytest.approx(32.0), "its triangles cover the plan once"
+    mesh = CGCMesh.from_meshgrid(dx=8, nx=4)
+    mesh.set_supports("corners")
+    meshed = client.post("/api/v1/surfaces?kind=obj", data=file_of(mesh, "obj", tmp_path).read_bytes()).json
+    assert not meshed["smooth"] and len(meshed["vertices"]) == 25 and len(meshed["faces"]) == 32 and len(meshed["supports"]) == 4
+    large = file_of(CGCMesh.from_meshgrid(dx=8, nx=24), "obj", tmp_path).read_bytes()
+    for kind, data, status in (
+        ("3dm", b"no file", 422),
+        ("step", b"no file", 422),
+        ("dxf", body, 422),
+        ("3dm", b"", 400),
+        ("obj", large, 413),
+    ):
+        answer = small.post(f"/api/v1/surfaces?kind={kind}", data=data)
+        assert answer.status_code == status and len(answer.json["message"]) > 20, (kind, answer.json)
+        assert "tmp" not in answer.json["message"] and "design." not in answer.json["message"]
 
 
 def test_an_example_comes_back_as_the_problem_it_is(client):

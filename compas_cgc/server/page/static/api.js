@@ -4,6 +4,15 @@ import { unpack } from './packed.js';
 import { capital } from './words.js';
 
 const KEY = 'compas_cgc.key';
+const RETRY = 1000; // time between two attempts to reach the server [ms]
+const [SHOWN, WAIT] = [0.5, 20]; // time between two requests for the status of a job with and without a display [s]
+
+/**
+ * @typedef {object} Told who is told about a job
+ * @property {(id: string) => void} [begun]
+ * @property {(status: import('./types.js').Status) => void} [progress]
+ * @property {() => void} [lost] the server does not respond
+ */
 
 /** An error response of the server. */
 export class Refusal extends Error {
@@ -66,6 +75,16 @@ export class Api {
   }
 
   /**
+   * Return the surface of a freeform design as a mesh, with what is drawn beside it.
+   * @param {File} file
+   * @param {string} kind of file
+   * @returns {Promise<{unit: string, vertices: number[][], faces: number[][], smooth: boolean, supports: number[][][], seams: number[][][], notes: string[]}>}
+   */
+  freeform(file, kind) {
+    return this.json(`api/v1/surfaces?kind=${kind}`, { method: 'POST', body: file });
+  }
+
+  /**
    * Request the mesh of a drawing.
    * @param {object} sketch
    */
@@ -92,15 +111,48 @@ export class Api {
    * Run a job to its end and return its result; an abort stops the job.
    * @param {object} job
    * @param {AbortSignal} signal
+   * @param {Told} [told]
    * @returns {Promise<any>}
    */
-  async build(job, signal) {
-    const { id } = await this.submit(job, signal);
+  build(job, signal, told) {
+    return this.follow((id) => this.json('api/v1/jobs', { method: 'POST', body: JSON.stringify({ ...job, id }), signal }), signal, told);
+  }
+
+  /**
+   * Run a job on a file, as `build` does.
+   * @param {File} file
+   * @param {string} kind of file
+   * @param {object} options
+   * @param {AbortSignal} signal
+   * @param {Told} [told]
+   * @returns {Promise<any>}
+   */
+  buildFrom(file, kind, options, signal, told) {
+    const path = (id) => `api/v1/jobs?kind=${kind}&options=${encodeURIComponent(JSON.stringify({ ...options, id }))}`;
+    return this.follow((id) => this.json(path(id), { method: 'POST', body: file, signal }), signal, told);
+  }
+
+  /**
+   * Follow a job to its end, through cut connections and restarts of the server.
+   * @param {(id: string) => Promise<any>} submit
+   * @param {AbortSignal} signal
+   * @param {Told} [told]
+   * @returns {Promise<any>} its result
+   */
+  async follow(submit, signal, { begun, progress, lost } = {}) {
+    const id = newId();
+    begun?.(id);
     try {
       for (;;) {
-        const status = await this.json(`api/v1/jobs/${id}?wait=20`, { signal });
-        if (status.has_result) return { ...(await this.result(id, signal)), id };
-        if (['succeeded', 'failed', 'cancelled'].includes(status.state)) throw new Refusal(422, status.message, status.remedies);
+        try {
+          // The same job again, as its id and its content are the same.
+          await submit(id);
+          return { ...(await this.finished(id, signal, progress)), id };
+        } catch (error) {
+          if (signal.aborted || !isLost(error)) throw error;
+          lost?.();
+          await new Promise((resolve) => setTimeout(resolve, RETRY));
+        }
       }
     } catch (error) {
       this.forget(id).catch(() => {});
@@ -108,12 +160,14 @@ export class Api {
     }
   }
 
-  /**
-   * @param {object} job
-   * @param {AbortSignal} signal
-   */
-  submit(job, signal) {
-    return this.json('api/v1/jobs', { method: 'POST', body: JSON.stringify(job), signal });
+  /** Wait for the end of a job, and return its result. */
+  async finished(id, signal, progress) {
+    for (;;) {
+      const status = await this.json(`api/v1/jobs/${id}?wait=${progress ? SHOWN : WAIT}`, { signal });
+      if (status.has_result) return this.result(id, signal);
+      if (['succeeded', 'failed', 'cancelled'].includes(status.state)) throw new Refusal(422, status.message, status.remedies);
+      progress?.(status);
+    }
   }
 
   /**
@@ -272,6 +326,23 @@ export class Api {
     });
     sessionStorage.setItem(KEY, await this.asking);
   }
+}
+
+/**
+ * Check whether an error means that the server did not respond, and may later.
+ * @param {Error} error
+ * @returns {boolean}
+ */
+export function isLost(error) {
+  return error instanceof Refusal ? [0, 502, 503, 504].includes(error.status) : error instanceof TypeError;
+}
+
+/**
+ * Return the id of a new job.
+ * @returns {string}
+ */
+export function newId() {
+  return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
 /** Yield the events of a stream. EventSource cannot send a key or a request body. */

@@ -7,6 +7,7 @@ import { emptyPlan } from './draw/plan.js';
 import { edgeDialog } from './edgedialog.js';
 import { guardNumberFields } from './fields.js';
 import { keyDialog } from './keydialog.js';
+import { rationaliseDoor } from './rationalise/door.js';
 import { Welcome } from './welcome.js';
 
 const MARK = '#design=';
@@ -24,7 +25,17 @@ const welcome = new Welcome($('welcome'), api, {
   draw: (plan, name) => begin({ stage: 'draw', name, plan: plan ?? emptyPlan(), data: null }),
   state: begin,
   edge: edgeDialog($('edge')),
+  design: (file, dropped) => door.offer(file, dropped),
 });
+const door = rationaliseDoor($('rationalise'), api, {
+  open: async (data) => {
+    const shown = await studio();
+    shown.open(data);
+    shown.solving.begin();
+  },
+  say: (text) => welcome.say(text),
+});
+$('rationalise-begin').addEventListener('click', door.show);
 /** @type {?Promise<import('./studio.js').Studio>} */
 let opened = null;
 

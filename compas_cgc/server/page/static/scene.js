@@ -12,7 +12,7 @@ const SETTLE = 90; // time constant of the motion of the surface [ms]
 const REACH = 1.6; // distance from the centre within which shadows are drawn
 const RIM = 0.1; // width of the ground around the surface, limited to the extent of its shadow
 const MARGIN = 1.04; // factor for the margin around a surface that fills the view
-const PASSING = ['canvas', 'crown', 'readout', 'progress']; // elements that do not count as obstructing the view
+const PASSING = ['crown', 'readout', 'progress']; // elements beside the canvas that do not count as obstructing the view
 const FROM = new THREE.Vector3(-0.62, -1, 0.72).normalize();
 
 /** A view of one model. */
@@ -174,7 +174,7 @@ export class Scene {
   /** @returns {import('./see/framing.js').Area} what the tools leave free */
   free() {
     const room = this.canvas.parentElement;
-    const over = [...room.children].filter((each) => !PASSING.includes(each.id) && each.checkVisibility());
+    const over = [...room.children].filter((each) => each !== this.canvas && !PASSING.includes(each.id) && each.checkVisibility());
     return freeArea(
       room.getBoundingClientRect(),
       over.map((each) => each.getBoundingClientRect()),

@@ -1,6 +1,6 @@
 /** One solve at a time: a new solve replaces the running one. */
 
-import { Refusal } from './api.js';
+import { Refusal, isLost, newId } from './api.js';
 
 const LIVE_AFTER = 1000; // duration of a solve above which its steps are drawn [ms]
 const POLL = 200; // milliseconds
@@ -151,15 +151,6 @@ export class Solver {
   }
 }
 
-/** Check whether an error means that the server did not respond, and may later. */
-function isLost(error) {
-  return error instanceof Refusal ? [0, 502, 503, 504].includes(error.status) : error instanceof TypeError;
-}
-
 function isOver(status) {
   return status !== null && ['succeeded', 'failed', 'cancelled'].includes(status.state);
-}
-
-function newId() {
-  return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 }

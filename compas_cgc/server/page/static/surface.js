@@ -113,6 +113,15 @@ export class Surface {
     this.tints = model.targets.map((_, region) => parse(model.colourOf(region)));
   }
 
+  /**
+   * Draw the creases as thin seams, without the edges of the mesh.
+   * @param {number} width of the seams [pixel]
+   */
+  asSeams(width) {
+    this.edges.visible = false;
+    this.creases.material.linewidth = width;
+  }
+
   /** @param {boolean} on whether zebra stripes are shown */
   stripes(on) {
     this.zebra.value = on ? 1 : 0;

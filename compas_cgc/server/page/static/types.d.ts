@@ -97,7 +97,10 @@ export interface Remedy {
 export interface Status {
   id: string;
   state: string;
+  stage: string;
+  progress: number;
   iteration: number;
+  iterations: number | null;
   error: number | null;
   energy: number | null;
   elapsed: number | null;

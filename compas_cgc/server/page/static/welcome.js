@@ -10,7 +10,7 @@ export class Welcome {
   /**
    * @param {HTMLElement} room
    * @param {import('./api.js').Api} api
-   * @param {{open: (data: import('./types.js').Data, again?: (() => void) | null) => void, draw: (plan: ?import('./draw/plan.js').Plan, name: string) => void, state: (state: import('./types.js').State) => void, edge: (text: string) => Promise<?number>}} listener
+   * @param {{open: (data: import('./types.js').Data, again?: (() => void) | null) => void, draw: (plan: ?import('./draw/plan.js').Plan, name: string) => void, state: (state: import('./types.js').State) => void, edge: (text: string) => Promise<?number>, design: (file: File, dropped: boolean) => boolean}} listener
    */
   constructor(room, api, listener) {
     this.room = room;
@@ -48,7 +48,7 @@ export class Welcome {
       event.preventDefault();
       over(false);
       const [file] = event.dataTransfer.files;
-      if (file) this.file(file);
+      if (file && !this.listener.design(file, true)) this.file(file);
     });
   }
 
@@ -109,7 +109,7 @@ export class Welcome {
     else if (this.meshes.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.model(file, kind));
     else if (this.plans.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.plan(file, kind));
     else if (kind === DESIGN) this.load(`Opening “${file.name}”${size}`, async () => this.listener.state(fromText(await file.text())));
-    else this.say(`“${file.name}” has an unsupported format. Save the mesh or the curves as ${[...new Set([...this.meshes, ...this.plans])].map((own) => `.${own}`).join(', ')} and drop the file again.`);
+    else if (!this.listener.design(file, false)) this.say(`“${file.name}” has an unsupported format. Save the mesh or the curves as ${[...new Set([...this.meshes, ...this.plans])].map((own) => `.${own}`).join(', ')} and drop the file again.`);
   }
 
   /** Open the curves of a file on the drawing board. */
