@@ -33,7 +33,7 @@ export function mouldsOf(curvatures, unit) {
   const rows = curvatures.map((K) => ({
     shape: K === 0 ? 'Flat' : K > 0 ? 'Sphere' : 'Saddle',
     radius: K === 0 ? '–' : readable(Math.abs(K) ** -0.5),
-    curvature: K === 0 ? '0' : (K / 10 ** scale).toFixed(2).replace('-', '−'),
+    curvature: readable(K / 10 ** scale),
   }));
   const per = unit ? `/${unit}²` : '';
   return { unit: scale ? `in ${power(scale)}${per}` : per && `in 1${per}`, rows };
