@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Callable
 from typing import Optional
+from typing import Union
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.linalg import LinearOperator
 
 from ..discrete.arrays import FloatArray
 
@@ -18,7 +20,7 @@ MIN_ITERATIONS = 3  # iterations before slow convergence may end the solve
 
 
 def nearly_solved(
-    matrix: sparse.csr_matrix,
+    matrix: Union[sparse.csr_matrix, LinearOperator],
     precondition: Callable[[FloatArray], FloatArray],
     right: FloatArray,
     tolerance: float,

@@ -17,6 +17,7 @@ from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from .polish.polisher import keeps_shape
+from .polish.posed import takes_goals
 from .registry import METHODS
 from .registry import method_of
 from .settings import Settings
@@ -38,6 +39,7 @@ LAWS = Choice("bending", "it alone takes laws other than constant K")
 DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
 SOUGHT = Choice("bending", "it bends and folds least, and finds K for goals of the whole surface")
+MEETS = Choice("bending", "it bends and folds least, and meets the goals")
 MEASURED = Choice("projection", "the measure was given")
 GOALS = Choice("projection", "it meets goals of all kinds")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
@@ -72,7 +74,10 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         if held_by_newton(problem):
             return [ONE_UNKNOWN, GOALS]
-        return [SOUGHT, GOALS] if finds_constants(problem) and not is_held_all_round(problem) else [GOALS]
+        if finds_constants(problem) and not is_held_all_round(problem):
+            return [SOUGHT, GOALS]
+        # The edges and the shape of a drawing that is kept are the projection's.
+        return [MEETS, GOALS] if has_free_edges(problem) and takes_goals(problem) and not keeps_shape(problem) else [GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]

@@ -8,6 +8,7 @@ from typing import Optional
 import numpy as np
 
 from ..errors import joined
+from ..model.goals.binding import unknown_constants
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
@@ -55,7 +56,7 @@ def solved_on(
     first = choose(drawn, settings)[0] if method == "auto" else Choice(method, "it was asked for")
     own = settings_of(METHODS[first.method], settings)
     if first.method == "bending":
-        if drawn.goals or not _of_same_types(problem, before):
+        if unknown_constants(drawn) or not _of_same_types(problem, before):
             # From a dome no way leads to a saddle.
             return None
         solution = polish(drawn, settings=own, start=problem.vertices, callback=callback)  # type: ignore[arg-type]

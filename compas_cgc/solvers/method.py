@@ -33,7 +33,7 @@ class Method(NamedTuple):
     solve
         Its vertices are those of the problem, in its order.
     goals
-        Those that it takes: ``none``, those of the ``whole`` surface, or ``any``.
+        Those that it takes: ``none``, those of the ``whole`` surface, those for heights and ``places`` too, or ``any``.
     any_sign
         It reaches negative K̄.
     any_law
@@ -52,7 +52,7 @@ class Method(NamedTuple):
     text: str  # what it does and what for, in a sentence
     settings: type[Settings]
     solve: Callable[[CGCProblem, Any, Callback], Solution]  # its vertices are those of the problem, in its order
-    goals: str = "none"  # those that it takes: none, those of the whole surface, or any
+    goals: str = "none"  # those that it takes: none, those of the whole surface, those for heights and places too, or any
     any_sign: bool = False  # it reaches negative K̄
     any_law: bool = False  # it takes laws other than constant K
     has_dummies: bool = False  # it uses the drawn faces outside the surface
@@ -60,6 +60,11 @@ class Method(NamedTuple):
     def takes(self, goals: Iterable[Constraint]) -> bool:
         """Return whether it takes goals of these kinds."""
         # Loaded when it is used, so that help texts do not wait for compiled kernels.
+        from ..model.constraints import PositionConstraint
+        from ..model.goals.inequalities import Bound
         from ..model.goals.wholes import is_of_whole
 
-        return self.goals == "any" or all(self.goals == "whole" and is_of_whole(goal) for goal in goals)
+        if self.goals == "any":
+            return True
+        places = (PositionConstraint, Bound) if self.goals == "places" else ()
+        return all(self.goals != "none" and (is_of_whole(goal) or isinstance(goal, places)) for goal in goals)

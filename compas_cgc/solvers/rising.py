@@ -150,7 +150,9 @@ def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solu
             return newton(own, settings=NewtonSettings(steps=STEPS))._replace(method="newton")
 
         return by_newton
-    if not problem.goals:
+    from .polish.posed import takes_goals
+
+    if takes_goals(problem):
         from .polish.polisher import polish
         from .polish.settings import PolishSettings
 

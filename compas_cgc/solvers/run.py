@@ -99,7 +99,7 @@ def solve(
             free edges that draw in, creases and goals.
         ``"bending"``
             The surface that bends and folds least, for K̄ of any sign, with curvature of second
-            order by mid-edge normals and free edges over their drawn lines.
+            order by mid-edge normals, free edges over their drawn lines and goals for heights.
     settings
         :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`, or options
         by name; with ``"auto"`` settings of one method choose it.

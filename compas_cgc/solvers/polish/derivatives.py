@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from scipy.sparse.linalg import LinearOperator
 
 from ...discrete.arrays import FloatArray
+from ...errors import ProblemError
+from ...linalg import nearly_solved
 from ...model.laws import ConstantCurvature
 from ...model.problem import CGCProblem
+from .lagrangian import Lagrangian
+from .lagrangian import State
 from .optimiser import regularisation
 from .optimiser import steps
 from .polisher import places
@@ -20,6 +25,7 @@ from .starts import from_surface
 
 __all__ = ["moves_by_constants"]
 
+PRECISE, ROUNDS = 1e-10, 60  # relative residual of derivatives, and directions for it
 STEPS = 20  # back to the angles of the edges, which a surface does not carry
 
 
@@ -32,7 +38,8 @@ def moves_by_constants(
               = \begin{pmatrix} J_A^T \lambda \\ A \end{pmatrix} dc,
 
     with the second derivatives W of the Lagrangian, and the areas A of the cells, whose derivatives are J_A: residuals are
-    :math:`A (g(H, K) - c)`.
+    :math:`A (g(H, K) - c)`. Goals for vertices, and sides that they touch, are held; quantities of the whole surface go on pushing as
+    they do, but their numbers are let go.
 
     Parameters
     ----------
@@ -52,19 +59,22 @@ def moves_by_constants(
     """
     posed = posed_as_set(problem, settings)
     own, frame = posed.lagrangian, posed.frame
-    here, multipliers = from_surface(own, frame.to_local(vertices)), np.zeros(len(own.rows))
+    here, multipliers = from_surface(own, frame.to_local(vertices)), np.zeros(own.count)
+    forces = np.zeros(len(here.met.values))
     for step in steps(own, here, places(own), posed.size):
-        here, multipliers = step.state, step.multipliers
+        here, multipliers, forces = step.state, step.multipliers, step.forces
         if step.settled or step.number == STEPS:
             break
-    model, saddle = own.model(here, multipliers), Saddle(places(own), own.border)
-    saddle.factorise(own.pattern.matrix(model, model.hessian, 0.0, regularisation(own)))
+    model, saddle = own.model(here, multipliers), Saddle(places(own))
+    touching = here.met.one_sided & (forces != 0.0)
+    saddle.factorise(own.pattern.matrix(model, model.hessian, 0.0, regularisation(own)), own.border(here.met, touching))
     averages = own.mesh.averages(here.operators)
     found = {}
     for region in regions:
         rates = pair_rates(posed.problem, own.mesh, own.rows, region)
-        pull = own.area_derivative(here, multipliers * rates)
-        solution = saddle.solve(np.concatenate([pull, rates * averages.areas[own.rows]]))
+        pull = own.area_derivative(here, multipliers[: len(rates)] * rates)
+        right = np.concatenate([pull, rates * averages.areas[own.rows], np.zeros(own.count - len(rates))])
+        solution = _solved(own, here, saddle, forces, right)
         unknowns = np.zeros(own.mesh.unknowns)
         unknowns[own.free] = solution[: own.size]
         law = problem.laws.get(region, ConstantCurvature(1.0))
@@ -73,3 +83,21 @@ def moves_by_constants(
         assert unit is not None
         found[region] = unknowns[: len(vertices), None] * own.mesh.directions * frame.scale * unit
     return found
+
+
+def _solved(own: Lagrangian, here: State, saddle: Saddle, forces: FloatArray, right: FloatArray) -> FloatArray:
+    """Return the solution for a right side (q + r + k,), with the second derivatives of quantities, which the factors are without."""
+    nothing = np.zeros(saddle.conditions)
+    first = saddle.solve(right, nothing)[0]
+    vertices, moved = own.vertices(here.unknowns), own.free[: own.moves]
+
+    def applied(solution: FloatArray) -> FloatArray:
+        pushes = np.zeros_like(solution)
+        pushes[: own.moves] = own.conditions.pushes_along(vertices, forces, own.moves_of(solution))[moved]
+        return solution + saddle.solve(pushes, nothing)[0] if pushes.any() else solution.copy()
+
+    operator = LinearOperator((len(first), len(first)), matvec=applied, dtype=np.float64)
+    solution = nearly_solved(operator, lambda own: own, first, PRECISE, ROUNDS)
+    if solution is None:
+        raise ProblemError(["what goals push with changes too abruptly for derivatives by K; leave out the area or the length"])
+    return solution

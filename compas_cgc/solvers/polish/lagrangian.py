@@ -26,6 +26,8 @@ from ...model.laws import ConstantCurvature
 from ...model.laws import Piecewise
 from ._assembly import add_cells
 from ._assembly import slots
+from .conditions import Conditions
+from .conditions import Met
 from .turns import Turns
 from .turns import free_turns
 from .turns import no_turns
@@ -45,19 +47,30 @@ class State(NamedTuple):
     operators: ShapeOperators
     energy: float
     residuals: FloatArray  # (r,) integrals of the residuals of the laws over the cells of the equations
+    met: Met  # conditions of goals
 
-    def merit(self, weight: float) -> float:
-        """Return the energy plus a weight times the sum of the absolute residuals."""
-        return self.energy + weight * float(np.abs(self.residuals).sum())
+    @property
+    def equations(self) -> FloatArray:
+        """The residuals and the distances from places (r + k,)."""
+        return np.concatenate([self.residuals, self.met.places])
+
+    @property
+    def missed(self) -> FloatArray:
+        """By what laws and conditions of goals are missed in all (2,)."""
+        return np.array([np.abs(self.residuals).sum(), np.abs(self.met.missed).sum() + np.abs(self.met.places).sum()])
+
+    def merit(self, weights: FloatArray) -> float:
+        """Return the energy plus weights (2,) times what is missed."""
+        return self.energy + float(weights @ self.missed)
 
 
 class Model(NamedTuple):
-    """The Lagrangian to second order about a state, in the free unknowns (q,), then the multipliers (r,)."""
+    """The Lagrangian to second order about a state, in the free unknowns (q,), then the multipliers (r + k,)."""
 
     gradient: FloatArray  # (q,) of the energy
     hessian: FloatArray  # entries of the second derivatives, in the slots of the saddle matrix
     convex: FloatArray  # the same of their part that is never negative
-    jacobian: sparse.csr_matrix  # (r, q) of the residuals
+    jacobian: sparse.csr_matrix  # (r + k, q) of the equations
     gradients: FloatArray  # entries of the Jacobian in the slots of the saddle matrix
 
 
@@ -88,6 +101,8 @@ class Lagrangian:
         The laws of these pairs.
     fold_length
         ℓ: a strip of this width beside a crease bends as easily as the crease folds [L].
+    conditions
+        Of goals.
     pattern
         Of the same problem over another drawing.
     """
@@ -97,10 +112,10 @@ class Lagrangian:
 
     def __init__(
         self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, rows: IntArray, law: Piecewise, fold_length: float,
-        pattern: Optional[_Pattern] = None,
+        conditions: Conditions, pattern: Optional[_Pattern] = None,
     ):  # fmt: skip
-        self.mesh, self.drawing, self.rows, self.law = mesh, drawing, rows, law
-        self._posed = free, rows, law, fold_length
+        self.mesh, self.drawing, self.rows, self.law, self.conditions = mesh, drawing, rows, law, conditions
+        self._posed = free, rows, law, fold_length, conditions
         self.free: IntArray = np.concatenate([np.flatnonzero(free), np.arange(len(drawing), mesh.unknowns)])
         self.moves = int(free.sum())  # of the free unknowns, those that are moves come first
         ends = drawing[mesh.angles.ends[mesh.angles.folds[:, 0]]]
@@ -118,17 +133,33 @@ class Lagrangian:
         """Number of free unknowns."""
         return len(self.free)
 
+    @property
+    def count(self) -> int:
+        """Number of equations: laws, then places."""
+        return len(self.rows) + len(self.conditions.vertices)
+
     @cached_property
     def turns(self) -> Turns:
         """Moves by which supports leave a plan free to turn; none where the shape of the drawing is kept."""
-        mesh, free = self.mesh, self._posed[0]
+        mesh, free = self.mesh, self._posed[0].copy()
+        free[self.conditions.lone] = False
         return free_turns(self.drawing, mesh.faces, mesh.directions[0], free) if self.has_plan else no_turns(len(free))
 
-    @property
-    def border(self) -> FloatArray:
-        """Conditions (q + r, k) that surfaces are not turned, on the free unknowns and the multipliers."""
-        conditions = self.turns.conditions[self.free[: self.moves]]
-        return np.pad(conditions, ((0, self.size + len(self.rows) - self.moves), (0, 0)))
+    def border(self, met: Met, active: Mask) -> FloatArray:
+        """Return the border (q + r + k, b) of the saddle matrix: surfaces are not turned, and active conditions (c,) are met."""
+        moved = self.free[: self.moves]
+        columns = np.hstack([self.turns.conditions[moved], met.slopes[np.flatnonzero(active)][:, moved].T.toarray()])
+        return np.pad(columns, ((0, self.size + self.count - self.moves), (0, 0)))
+
+    def products(self, values: FloatArray, active: Mask) -> FloatArray:
+        """Return the products (b,) with the border of steps that make the values (c,) of active conditions zero."""
+        return np.concatenate([np.zeros(self.turns.conditions.shape[1]), -values[active]])
+
+    def moves_of(self, solution: FloatArray) -> FloatArray:
+        """Return the moves (n,) of a solution of the saddle system (q + r + k,)."""
+        moves = np.zeros(len(self.drawing))
+        moves[self.free[: self.moves]] = solution[: self.moves]
+        return moves
 
     @property
     def held(self) -> IntArray:
@@ -185,12 +216,12 @@ class Lagrangian:
         """Return the energy of another drawing (n, 3) without supports, whose curvature is not prescribed."""
         nowhere = np.zeros(0, np.int64)
         return Lagrangian(
-            self.mesh, drawing, np.ones(len(drawing), bool), nowhere, Piecewise([ConstantCurvature(np.zeros(0))], nowhere), self._posed[-1]
+            self.mesh, drawing, np.ones(len(drawing), bool), nowhere, Piecewise([ConstantCurvature(np.zeros(0))], nowhere), *self._posed[3:]
         )
 
     def over(self, drawing: FloatArray, side: float) -> Lagrangian:
         """Return the same problem over another drawing (n, 3), and the side to which domes rise, 1 or -1."""
-        other = Lagrangian(self.mesh, drawing, *self._posed, self.pattern)
+        other = Lagrangian(self.mesh, drawing, *self._posed, pattern=self.pattern)
         other.side = side
         return other
 
@@ -205,13 +236,14 @@ class Lagrangian:
 
     def at(self, unknowns: FloatArray) -> State:
         """Return energy and residuals for unknowns (u,)."""
-        operators = self.mesh.at(self.vertices(unknowns), unknowns[len(self.drawing) :])
+        vertices = self.vertices(unknowns)
+        operators = self.mesh.at(vertices, unknowns[len(self.drawing) :])
         T, A, H, K = self.curvatures(operators)
         folds = self.folds(unknowns)
         S = operators.tensors / operators.areas[:, None]
         uneven = EVENNESS * float(np.einsum("me,e,me->", S, OCCURRENCES, self.uneven @ S))
         energy = float(operators.bending.sum() + 0.5 * (self._fold_weights @ folds**2 + self.kept @ unknowns**2)) + uneven
-        return State(unknowns, operators, energy, A * self.law.residual(H, K))
+        return State(unknowns, operators, energy, A * self.law.residual(H, K), self.conditions.at(vertices))
 
     def curvatures(self, operators: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return the summed tensors (r, 6), areas, mean and Gaussian curvatures (r,) of the pairs of the equations."""
@@ -235,8 +267,9 @@ class Lagrangian:
         unknowns[self.free] += step
         return self.at(unknowns)
 
-    def gradient(self, state: State, multipliers: FloatArray) -> FloatArray:
-        """Return the derivatives of the Lagrangian by the free unknowns (q,) for multipliers (r,)."""
+    def gradient(self, state: State, multipliers: FloatArray, forces: FloatArray) -> FloatArray:
+        """Return the derivatives of the Lagrangian by the free unknowns (q,) for multipliers (r + k,) and forces (c,) of conditions."""
+        multipliers, pressed = np.split(multipliers, [len(self.rows)])
         own, onto = state.operators, self.mesh.incidence[self.rows].T
         bent, uneven, stretched = self._stresses(own)
         row_by_tensor, row_by_area, _ = self._laws(own)
@@ -245,6 +278,8 @@ class Lagrangian:
         by_face = np.einsum("me,mek->mk", by_tensor, own.tensor_slopes)
         by_face[:, :3] += by_area[:, None] * own.area_slopes
         whole = self.fold_terms(state.unknowns)[0] + np.bincount(self.mesh.columns.ravel(), by_face.ravel(), self.mesh.unknowns)
+        whole[: len(self.drawing)] += state.met.slopes.T @ forces
+        np.add.at(whole, self.conditions.vertices, pressed[:, None] * state.met.place_slopes)
         return np.asarray(whole[self.free], dtype=np.float64)
 
     def _stresses(self, own: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -254,7 +289,8 @@ class Lagrangian:
         return 2.0 * OCCURRENCES * S, uneven, np.einsum("me,me->m", uneven, S)
 
     def model(self, state: State, multipliers: FloatArray) -> Model:
-        """Return the Lagrangian to second order for multipliers (r,)."""
+        """Return the Lagrangian to second order for multipliers (r + k,)."""
+        multipliers = multipliers[: len(self.rows)]
         own = state.operators.to_second_order()
         A, S = own.areas, own.tensors / own.areas[:, None]
         bent, uneven, stretched = self._stresses(own)
@@ -335,7 +371,7 @@ class _Pattern:
         reduced[lagrangian.free] = np.arange(q)
         equation = np.full(len(mesh.pairs), -1)
         equation[lagrangian.rows] = np.arange(r)
-        self.size, self.unknowns = q + r, q
+        self.size, self.unknowns = q + lagrangian.count, q
         self.groups: list[_Group] = []
         cells: list[IntArray] = []
         for group, unknowns in _groups(mesh, equation):
@@ -344,11 +380,14 @@ class _Pattern:
         folds = reduced[lagrangian.fold_terms(np.zeros(mesh.unknowns))[1]]
         multipliers = [np.where(group.row >= 0, q + group.row, -1)[:, None] for group in self.groups]
         every = np.arange(self.size)[:, None]
-        coupled = _coupled([every, folds, *(np.hstack(both) for both in zip(cells, multipliers))], self.size)
+        places = np.arange(q + r, self.size)[:, None]
+        placed = np.where(lagrangian.conditions.vertices >= 0, reduced[lagrangian.conditions.vertices], -1)
+        coupled = _coupled([every, folds, np.hstack([places, placed]), *(np.hstack(both) for both in zip(cells, multipliers))], self.size)
         self.indptr, self.indices = coupled.indptr, coupled.indices
         self.diagonal, self.fold = slots(self.indptr, self.indices, every, every).ravel(), slots(self.indptr, self.indices, folds, folds)
         self.within = [slots(self.indptr, self.indices, cell, cell) for cell in cells]
         self.rows = [slots(self.indptr, self.indices, one, cell)[:, 0] for one, cell in zip(multipliers, cells)]
+        self.places = slots(self.indptr, self.indices, places, placed)[:, 0]
         # Entries of the rows of equations, and those across the diagonal.
         mirrored = sparse.csr_matrix((np.arange(len(self.indices)), self.indices, self.indptr), shape=(self.size, self.size)).T.tocsr()
         self.below = np.arange(self.indptr[q], self.indptr[-1])
@@ -400,6 +439,8 @@ class _Pattern:
                 *(parts.convex, parts.curved, parts.slopes, shape_slopes, parts.rows, parts.row_curvature, within, rows),
                 *(np.empty((w, 7)), np.empty((6 * k, w)), *np.empty((2, w, w)), np.empty((w, 7)), convex, curved, below),
             )
+        known = self.places >= 0
+        below[self.places[known]] = state.met.place_slopes[known]
         convex += np.bincount(self.fold.ravel(), (fold_weights[:, None] * [1.0, -1.0, -1.0, 1.0]).ravel(), entries)
         convex[self.diagonal[: self.unknowns]] += lagrangian.kept[lagrangian.free]
         q = self.unknowns

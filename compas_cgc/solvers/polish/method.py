@@ -17,21 +17,22 @@ __all__ = ["METHOD"]
 
 def _solve(problem: CGCProblem, settings: PolishSettings, callback: Callback) -> Solution:
     # Loaded when it is used, so that help texts do not wait for compiled kernels.
+    from ...model.goals.binding import unknown_constants
     from .goal_seeking import seek
     from .polisher import polish
 
-    if problem.goals:
+    if unknown_constants(problem):
         return seek(problem, settings, callback)
     return polish(problem, settings=settings, callback=callback)
 
 
 METHOD = Method(
     "bending",
-    "The surface that bends and folds least, for K̄ of any sign, with free edges over their drawn lines; it converges under "
-    "refinement, up to creases and free edges.",
+    "The surface that bends and folds least, for K̄ of any sign, with free edges over their drawn lines, and goals for heights; it "
+    "converges under refinement, up to creases and free edges.",
     PolishSettings,
     _solve,
-    goals="whole",
+    goals="places",
     any_sign=True,
     any_law=True,
 )

@@ -9,6 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import Mask
 from ...linalg import SingularMatrixError
 from .lagrangian import Lagrangian
 from .lagrangian import Model
@@ -27,6 +28,7 @@ ROUNDING = 1e-12  # change of the merit, against the energy, that is rounding
 EXACT, HALVINGS = 1.0, 4  # share of the second derivatives that are not convex, and how often it is halved before they are left out
 SHIFT, GROW, MOST = 1e-4, 10.0, 1e4  # first shift of the second derivatives, its factor, and its limit
 CLOSE, NEARER = 1e-2, 0.1  # step, against the size, near the end of the way; and part of a step that is left where factors still fit
+PULL, CROSSED = 1e-9, 1e-13  # force of a side, against the largest, and distance behind it in the local frame, that is none
 SETTLED = 1e-8  # move of a vertex, against the size of the mesh, that is none
 STILL = 1e-12  # the same, that rounding makes
 
@@ -35,7 +37,8 @@ class Step(NamedTuple):
     """One step of the search."""
 
     state: State
-    multipliers: FloatArray  # (r,)
+    multipliers: FloatArray  # (r + k,)
+    forces: FloatArray  # (c,) of quantities and sides, zero where a side is not touched
     length: float  # part of the full step
     trials: int  # states that were evaluated
     settled: bool  # whether the full step moved nothing any more
@@ -52,7 +55,8 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
 
     with the second derivatives W of the Lagrangian, of which the part that is not convex is scaled down until the matrix has as
     many negative eigenvalues as equations: then dx is a minimum. D is small and keeps multipliers that equations do not determine where
-    they are. The merit ``E + σ |r|₁`` decreases in every step, if need be after corrections of second order.
+    they are. The merit ``E + σ |r|₁`` decreases in every step, if need be after corrections of second order. Goals add conditions
+    ``c + C dx = 0`` and sides ``c + C dx >= 0``, of which those are active that would be crossed, and push back.
 
     Parameters
     ----------
@@ -61,7 +65,7 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
     start
         Where to begin.
     points
-        ``(q + r, d)`` places of unknowns and equations, for the order of elimination.
+        ``(q + r + k, d)`` places of unknowns and equations, for the order of elimination.
     size
         Size of the mesh [L].
 
@@ -70,23 +74,26 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
     Nocedal and Wright, *Numerical Optimization*, chapter 18, doi:10.1007/978-0-387-40065-5. Waechter and Biegler,
     doi:10.1007/s10107-004-0559-y.
     """
-    saddle, here = Saddle(points, lagrangian.border), lagrangian.untilted(start)
-    multipliers, weight, share, shift, number = np.zeros(len(lagrangian.rows)), 0.0, EXACT, 0.0, 0
+    saddle, here = Saddle(points), lagrangian.untilted(start)
+    multipliers, weights, share, shift, number = np.zeros(lagrangian.count), np.zeros(2), EXACT, 0.0, 0
     below = regularisation(lagrangian)
+    active = ~here.met.one_sided
     while True:
         model = lagrangian.model(here, multipliers)
-        found = _factors(lagrangian, model, saddle, below, share, shift)
+        found = _factors(lagrangian, model, saddle, lagrangian.border(here.met, active), below, share, shift)
         if found is None:
             return
         share, shift = found
-        right = np.concatenate([-model.gradient, -here.residuals - below * multipliers])
-        solution = saddle.solve(right)
+        right = np.concatenate([-model.gradient, -here.equations - below * multipliers])
+        solution, forces, active = _held(lagrangian, saddle, here, right, active)
         step, after = solution[: lagrangian.size], solution[lagrangian.size :]
         if not np.isfinite(solution).all():
             return
-        weight = max(FORGET * weight, ABOVE * float(np.abs(after).max(initial=0.0)))
-        slope = float(np.einsum("i,i", model.gradient, step)) - weight * float(np.abs(here.residuals).sum())
-        searched = _search(lagrangian, saddle, here, step, slope, weight, size)
+        pushes = np.split(after, [len(lagrangian.rows)])
+        largest = [float(np.abs(one).max(initial=0.0)) for one in (pushes[0], np.append(pushes[1], forces))]
+        weights = np.maximum(FORGET * weights, ABOVE * np.array(largest))
+        slope = float(np.einsum("i,i", model.gradient, step)) - float(weights @ here.missed)
+        searched = _search(lagrangian, saddle, here, active, step, slope, weights, size)
         farthest = float(np.abs(step[: lagrangian.moves]).max(initial=0.0))
         if searched is None:
             if share > 0.0:
@@ -99,48 +106,74 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
         here, length, trials = searched
         multipliers = after
         if trials == 1 and length == 1.0 and farthest <= CLOSE * size:
-            here, multipliers, farthest = _closed_in(lagrangian, saddle, here, multipliers, farthest, STILL * size)
+            here, multipliers, farthest = _closed_in(lagrangian, saddle, here, active, multipliers, forces, farthest, STILL * size)
         number += 1
-        yield Step(here, multipliers, length, trials, length == 1.0 and farthest < SETTLED * size, number)
+        yield Step(here, multipliers, forces, length, trials, length == 1.0 and farthest < SETTLED * size, number)
         if length == 1.0:
             share, shift = min(EXACT, 4.0 * share) if share > 0.0 else EXACT, 0.0 if shift <= SHIFT else shift / GROW
 
 
+def _held(lagrangian: Lagrangian, saddle: Saddle, here: State, right: FloatArray, active: Mask) -> tuple[FloatArray, FloatArray, Mask]:
+    """Return the solution for a right side (q + r + k,) that keeps to the sides, the forces (c,) of the conditions, and which are active.
+
+    Sides that would be crossed become active, those that would have to pull are let go, once each.
+
+    References
+    ----------
+    Hintermüller, Ito and Kunisch, doi:10.1137/S1052623401383558.
+    """
+    met, released = here.met, np.zeros(len(active), bool)
+    while True:
+        solution, pushed = saddle.solve(right, lagrangian.products(met.values, active))
+        forces = np.zeros(len(active))
+        forces[active] = pushed[len(pushed) - int(active.sum()) :]
+        left = met.values + met.slopes @ lagrangian.moves_of(solution)
+        pulling = met.one_sided & active & (forces > PULL * float(np.abs(forces).max(initial=0.0)))
+        crossed = lagrangian.conditions.worst(np.where(met.one_sided & ~active & ~released, np.minimum(left + CROSSED, 0.0), 0.0))
+        if not pulling.any() and not crossed.any():
+            return solution, forces, active
+        released, active = released | pulling, active & ~pulling | crossed
+        saddle.hold(lagrangian.border(met, active))
+
+
 def _closed_in(
-    lagrangian: Lagrangian, saddle: Saddle, here: State, multipliers: FloatArray, farthest: float, enough: float
-) -> tuple[State, FloatArray, float]:
+    lagrangian: Lagrangian, saddle: Saddle, here: State, active: Mask, multipliers: FloatArray, forces: FloatArray, farthest: float,
+    enough: float,
+) -> tuple[State, FloatArray, float]:  # fmt: skip
     """Return the state and the multipliers after steps with factors that are there, while they come nearer fast; and the last move.
 
     References
     ----------
     Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1.2, doi:10.1007/978-3-642-23899-4.
     """
-    while farthest >= enough:
-        left = np.concatenate([lagrangian.gradient(here, multipliers), here.residuals])
-        solution = saddle.roughly(-left)  # what is missed is part of the next step
+    while farthest >= enough and (active | (here.met.missed > -CROSSED)).all():
+        left = np.concatenate([lagrangian.gradient(here, multipliers, forces), here.equations])
+        solution, pushed = saddle.roughly(-left, lagrangian.products(here.met.values, active))  # what is missed is part of the next step
         move = float(np.abs(solution[: lagrangian.moves]).max(initial=0.0))
         if not move <= NEARER * farthest:
             break
         here, multipliers = lagrangian.moved(here, solution[: lagrangian.size]), multipliers + solution[lagrangian.size :]
+        forces[active] += pushed[len(pushed) - int(active.sum()) :]
         farthest = move
     return here, multipliers, farthest
 
 
 def regularisation(lagrangian: Lagrangian) -> FloatArray:
-    """Return D (r,)."""
-    return REGULARISATION * lagrangian.scales * lagrangian.cells
+    """Return D (r + k,)."""
+    cells = lagrangian.cells * lagrangian.scales
+    return REGULARISATION * np.append(cells, np.full(lagrangian.count - len(cells), cells.mean()))
 
 
 def _factors(
-    lagrangian: Lagrangian, model: Model, saddle: Saddle, below: FloatArray, share: float, shift: float
+    lagrangian: Lagrangian, model: Model, saddle: Saddle, border: FloatArray, below: FloatArray, share: float, shift: float
 ) -> Optional[tuple[float, float]]:
     """Factorise the saddle matrix, and return the share of the exact second derivatives and the shift that give a minimum."""
-    wanted, pattern = len(lagrangian.rows), lagrangian.pattern
+    wanted, pattern = lagrangian.count, lagrangian.pattern
     scale = float(np.median(model.convex[pattern.diagonal[: lagrangian.size]]))
     while shift <= MOST:
         hessian = model.convex + share * (model.hessian - model.convex)
         try:
-            if saddle.factorise(pattern.matrix(model, hessian, shift * scale, below)) == wanted:
+            if saddle.factorise(pattern.matrix(model, hessian, shift * scale, below), border) == wanted:
                 return share, shift
         except SingularMatrixError:
             pass
@@ -152,23 +185,24 @@ def _factors(
 
 
 def _search(
-    lagrangian: Lagrangian, saddle: Saddle, here: State, step: FloatArray, slope: float, weight: float, size: float
+    lagrangian: Lagrangian, saddle: Saddle, here: State, active: Mask, step: FloatArray, slope: float, weights: FloatArray, size: float
 ) -> Optional[tuple[State, float, int]]:
     """Return the state after the first of ever shorter steps that decreases the merit, the part of the step, and the trials."""
     farthest = float(np.abs(step[: lagrangian.moves]).max(initial=0.0))
     length = min(1.0, LONGEST * size / farthest) if farthest > 0.0 else 1.0
-    before, trials = here.merit(weight), 0
+    before, trials = here.merit(weights), 0
     allowed = ROUNDING * abs(here.energy)
     while length >= SHORTEST:
         move, there = length * step, lagrangian.moved(here, length * step)
         for correction in range(CORRECTIONS + 1):
             trials += 1
-            if there.merit(weight) <= before + DECREASE * length * slope + allowed:
+            if there.merit(weights) <= before + DECREASE * length * slope + allowed:
                 return there, length, trials
             if correction < CORRECTIONS:
                 # A long step along a valley of the energy leaves the equations, so that without corrections steps would be short.
-                right = np.concatenate([np.zeros(lagrangian.size), (1.0 - length) * here.residuals - there.residuals])
-                move = move + saddle.roughly(right)[: lagrangian.size]
+                right = np.concatenate([np.zeros(lagrangian.size), (1.0 - length) * here.equations - there.equations])
+                products = lagrangian.products(there.met.values - (1.0 - length) * here.met.values, active)
+                move = move + saddle.roughly(right, products)[0][: lagrangian.size]
                 there = lagrangian.moved(here, move)
         length /= 2
     return None

@@ -22,9 +22,11 @@ from ...errors import Sentence
 from ...errors import joined
 from ...errors import more_steps
 from ...errors import names_what_was_meant
+from ...errors import use_method
 from ...linalg.work import is_spent
 from ...linalg.work import until_spent
 from ...model.frame import Frame
+from ...model.goals.contradictions import refuse_impossible
 from ...model.laws import Law
 from ...model.measures import MID_EDGE
 from ...model.problem import CGCProblem
@@ -43,6 +45,7 @@ from .least_area import least_area
 from .optimiser import steps
 from .posed import pair_laws
 from .posed import posed
+from .posed import takes_goals
 from .settings import PolishSettings
 from .starts import Lifted
 from .starts import from_surface
@@ -65,6 +68,9 @@ ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residual
 FIRST, GROWTH, SHORTEST = 0.25, 1.5, 0.03  # part of the way by which supports are lowered, its factor, and its limit
 WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
+
+
+OTHER_GOALS = "the method bending moves vertices along fixed directions, which cannot meet all of these goals"
 
 
 @names_what_was_meant()
@@ -103,7 +109,7 @@ def polish(
     Raises
     ------
     ProblemError
-        If a vertex where K is prescribed has no target.
+        If a vertex where K is prescribed has no target, or there are goals that moves along fixed directions cannot meet.
 
     Examples
     --------
@@ -112,6 +118,10 @@ def polish(
     >>> polish(plan).status
     'converged'
     """
+    if problem.goals:
+        refuse_impossible(problem)
+        if not takes_goals(problem):
+            raise ProblemError([Sentence(f"{OTHER_GOALS}; use the method projection, or auto", [use_method("projection")])])
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} has no target; set the K̄ of its region"])
@@ -323,6 +333,8 @@ class _Search:
             self.recorder.record(energy(V - self.centre, self.faces, self.weights), error, error, step.length, step.trials)
             best = min(best, here, key=lambda state: _error(own, state))
             status = "stalled"
+            if step.settled and not here.met.is_met:
+                break
             if step.settled and (np.abs(here.residuals) <= np.maximum(goal, _rounding(own, here))).all():
                 best, status = here, "converged"
             elif taken == self.settings.steps:
@@ -368,7 +380,7 @@ def _distinct(ends: list[_End], lagrangian: Lagrangian, size: float) -> list[_En
 
 def _mirrors(lagrangian: Lagrangian, first: State, second: State) -> bool:
     """Return whether two starts are mirror images at the drawing that lead to mirror images, as those of flat drawings do."""
-    if np.abs(first.unknowns + second.unknowns).max() > MIRRORED * np.abs(first.unknowns).max():
+    if lagrangian.conditions.count or np.abs(first.unknowns + second.unknowns).max() > MIRRORED * np.abs(first.unknowns).max():
         return False
     image = lagrangian.at(-first.unknowns)
     same = np.abs(image.residuals - first.residuals).max(initial=0.0) <= MIRRORED * np.abs(first.residuals).max(initial=0.0)
@@ -392,10 +404,10 @@ def _rounding(lagrangian: Lagrangian, state: State) -> FloatArray:
 
 
 def places(lagrangian: Lagrangian) -> FloatArray:
-    """Return the places (q + r, 3) of unknowns and equations on the drawing."""
+    """Return the places (q + r + k, 3) of unknowns and equations on the drawing."""
     V, mesh = lagrangian.drawing, lagrangian.mesh
     unknowns = np.vstack([V, V[mesh.angles.ends].mean(axis=1)])
-    return np.vstack([unknowns[lagrangian.free], V[mesh.pairs[lagrangian.rows, 0]]])
+    return np.vstack([unknowns[lagrangian.free], V[mesh.pairs[lagrangian.rows, 0]], V[lagrangian.conditions.vertices[:, 0]]])
 
 
 def _message(status: str, steps: int, errors: list[tuple[Law, float]], branches: tuple[Branch, ...]) -> str:

@@ -18,9 +18,10 @@ from ...model.laws import Piecewise
 from ...model.problem import CGCProblem
 from ...model.roles import FIXED
 from ...model.visible import on_held_edges
+from .conditions import Conditions
 from .lagrangian import Lagrangian
 
-__all__ = ["move_directions", "pair_laws", "pair_rates", "pair_targets", "posed"]
+__all__ = ["move_directions", "pair_laws", "pair_rates", "pair_targets", "posed", "takes_goals"]
 
 FACING = 0.3  # component of the normals of faces along the mean normal, from which a drawing has a plan
 SMOOTHINGS = 10  # of the normals of a drawing that has none
@@ -37,10 +38,17 @@ def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:
         Width of a strip that bends as easily as a crease folds, relative to the square root of the area.
     """
     V, F, regions = problem.vertices, problem.faces, problem.regions()
-    mesh = MidEdgeMesh(F, problem.creases, regions, move_directions(problem))
+    directions = move_directions(problem)
+    mesh = MidEdgeMesh(F, problem.creases, regions, directions)
     size = math.sqrt(float(face_areas(V, F).sum()))
     rows, law = pair_laws(problem, mesh)
-    return Lagrangian(mesh, V, problem.movable, rows, law.normalised(), fold_length * size)
+    return Lagrangian(mesh, V, problem.movable, rows, law.normalised(), fold_length * size, Conditions(problem, directions))
+
+
+def takes_goals(problem: CGCProblem) -> bool:
+    """Return whether moves along fixed directions can meet the goals of a problem, whose K is given."""
+    local = problem.without_dummies().local()[0]
+    return Conditions(local, move_directions(local)).can_be_met
 
 
 def move_directions(problem: CGCProblem) -> FloatArray:

@@ -14,25 +14,24 @@ from ...linalg.work import spend
 __all__ = ["Saddle"]
 
 FACTORS = 10.0  # right sides that factors take as long as
+DEPENDENT = 1e-12  # eigenvalue of conditions, against the largest, below which one of them follows from others
 PRECISE, REFINEMENTS = 1e-12, 3  # relative residual of solutions, and rounds of refinement towards it
 
 
 class Saddle:
-    """Factors of matrices of one sparsity.
+    """Factors of matrices of one sparsity, and conditions on the solutions.
 
     Parameters
     ----------
     points
         ``(s, d)`` places of the unknowns.
-    border
-        ``(s, k)`` with k small: products with solutions are zero. They are dense, and are eliminated after the factors are known.
     """
 
-    def __init__(self, points: FloatArray, border: FloatArray):
-        self._factors, self._border = Multifrontal(points, refine=False), border
+    def __init__(self, points: FloatArray):
+        self._factors = Multifrontal(points, refine=False)
 
-    def factorise(self, matrix: sparse.csr_matrix) -> int:
-        """Take a matrix in, and return the number of its negative eigenvalues among vectors whose products with the border are zero.
+    def factorise(self, matrix: sparse.csr_matrix, border: FloatArray) -> int:
+        """Take a matrix in, and return the number of its negative eigenvalues among vectors whose products with a border are zero.
 
         Raises
         ------
@@ -41,25 +40,42 @@ class Saddle:
         """
         self._matrix = matrix
         spend(rights(FACTORS, matrix.shape[0]))
-        negative, conditions = self._factors.factorise(matrix).negative, self._border.shape[1]
-        if not conditions:
-            return negative
-        self._responses = self._refined(self._border)
-        self._met = self._border.T @ self._responses
-        return negative + int((np.linalg.eigvalsh(self._met + self._met.T) > 0.0).sum()) - conditions
+        negative = self._factors.factorise(matrix).negative
+        self.hold(border)
+        return negative - int((self._values < 0.0).sum())
 
-    def roughly(self, right: FloatArray) -> FloatArray:
-        """Return the solution for a right side (s,) without refinement."""
-        return self._bordered(self._factors.solve(right))
+    def hold(self, border: FloatArray) -> None:
+        """Prescribe the products of solutions with a dense border (s, k), k small; it is eliminated after the factors are known.
 
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Return the solution for a right side (s,)."""
-        return self._bordered(self._refined(right))
+        Columns may depend on each other.
+        """
+        self._scales = 1.0 / np.maximum(np.linalg.norm(border, axis=0), np.finfo(float).tiny)
+        self._border = border * self._scales
+        self._responses = self._refined(self._border) if border.shape[1] else border
+        met = self._border.T @ self._responses
+        values, vectors = np.linalg.eigh(0.5 * (met + met.T))
+        used = np.abs(values) > DEPENDENT * np.abs(values).max(initial=0.0)
+        self._values, self._vectors = values[used], vectors[:, used]
+
+    @property
+    def conditions(self) -> int:
+        """Number of products that are prescribed."""
+        return len(self._scales)
+
+    def roughly(self, right: FloatArray, products: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the same as :meth:`solve` without refinement."""
+        return self._bordered(self._factors.solve(right), products)
+
+    def solve(self, right: FloatArray, products: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the solution for a right side (s,) with products (k,) with the border, and the multipliers of these (k,)."""
+        return self._bordered(self._refined(right), products)
 
     def _refined(self, right: FloatArray) -> FloatArray:
         return refined(self._matrix, self._factors.solve, right, PRECISE, REFINEMENTS)[0]
 
-    def _bordered(self, solution: FloatArray) -> FloatArray:
-        if not self._border.shape[1]:
-            return solution
-        return np.asarray(solution - self._responses @ np.linalg.solve(self._met, self._border.T @ solution))
+    def _bordered(self, solution: FloatArray, products: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if not len(products):
+            return solution, products
+        excess = self._vectors.T @ (self._border.T @ solution - self._scales * products)
+        forces = self._vectors @ (excess / self._values)
+        return np.asarray(solution - self._responses @ forces), self._scales * forces

@@ -254,7 +254,7 @@ def bent_by_supports(lagrangian: Lagrangian, heights: FloatArray) -> FloatArray:
 def _stiffness(lagrangian: Lagrangian, here: State) -> sparse.csr_matrix:
     """Return the second derivatives (q, q) of the energy by the free unknowns, without those that may be negative."""
     pattern, q = lagrangian.pattern, lagrangian.size
-    model = lagrangian.model(here, np.zeros(len(lagrangian.rows)))
+    model = lagrangian.model(here, np.zeros(lagrangian.count))
     return sparse.csr_matrix((model.convex, pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size))[:q, :q].tocsr()
 
 

@@ -124,7 +124,7 @@ def test_constraints_of_a_mesh_of_a_file_and_of_the_request_all_hold(tmp_path):
     output = solve_job("json", {}, accept(request, LIMITS), LIMITS)
     heights = unpack_result(output.content)[0].vertices[[3, 24], 2]
     assert np.allclose(heights, [0.5, 0.7], atol=1e-9), output.message
-    with pytest.raises(Unprocessable, match="only the method projection supports constraints"):
+    with pytest.raises(Unprocessable, match="only the method projection or bending supports constraints"):
         accept({**request, "settings": {"s": 0.5}}, LIMITS)
 
 
@@ -146,7 +146,7 @@ def test_goals_and_unknown_k_of_a_request():
         ({"goals": {"kind": "rise", "rise": 2}}, "'goals' must be a list of objects"),
         ({"goals": [{"kind": "rise", "rise": "4 m"}]}, "rise of a constraint of kind rise must be a finite number"),
         ({"goals": [{"kind": "above", "vertices": [99], "height": 2}]}, "names vertex 99"),
-        ({"method": "flow"}, "only the method projection supports constraints"),
+        ({"method": "flow"}, "only the method projection or bending supports constraints"),
     ):
         with pytest.raises(Unprocessable, match=part):
             accept({**request, **more}, LIMITS)

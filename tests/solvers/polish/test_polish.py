@@ -13,6 +13,10 @@ from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import vertex_areas
 from compas_cgc.discrete.measured_curvature import measured_curvature
+from compas_cgc.model.constraints import Height
+from compas_cgc.model.goals.inequalities import Below
+from compas_cgc.model.goals.places import Level
+from compas_cgc.model.goals.wholes import Volume
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.polisher import polish
 from compas_cgc.solvers.polish.posed import posed
@@ -72,24 +76,28 @@ def _order(problems, **settings):
     return np.log2((heights[1] - heights[0]) / (heights[2] - heights[1])), heights
 
 
-@pytest.mark.parametrize("evenness", [0.0, 0.5])
-def test_derivatives_are_exact(evenness):
-    local = _on_corners(6, 1.0, lines=(1 / 3, 2 / 3), jitter=0.3).local()[0]
+@pytest.mark.parametrize("evenness, goals", [(0.0, []), (0.5, []), (0.0, [Height([10], 0.2), Level([3, 5, 6]), Volume(0.2), Below(0.3)])])
+def test_derivatives_are_exact(evenness, goals):
+    local = _on_corners(6, 1.0, lines=(1 / 3, 2 / 3), jitter=0.3).with_goals(goals).local()[0]
     lagrangian = posed(local, 0.1).evener(evenness)
     state, rng = next(starts(lagrangian)), np.random.default_rng(0)
-    multipliers, step = rng.standard_normal(len(lagrangian.rows)), rng.standard_normal(lagrangian.size)
+    multipliers, step = rng.standard_normal(lagrangian.count), rng.standard_normal(lagrangian.size)
+    forces = rng.standard_normal(len(state.met.values))
     h = 1e-6
     there, back = lagrangian.moved(state, h * step), lagrangian.moved(state, -h * step)
     model = lagrangian.model(state, multipliers)
     assert (there.energy - back.energy) / (2 * h) == pytest.approx(float(model.gradient @ step), rel=1e-6)
-    change = (there.residuals - back.residuals) / (2 * h)
+    change = (there.equations - back.equations) / (2 * h)
     assert np.abs(change - model.jacobian @ step).max() < 1e-6 * np.abs(change).max()
+    change = (there.met.values - back.met.values) / (2 * h)
+    assert np.abs(change - state.met.slopes @ lagrangian.moves_of(step)).max(initial=0.0) < 1e-6
 
     def force(at):
         own = lagrangian.model(at, multipliers)
-        return own.gradient + own.jacobian.T @ multipliers
+        pushed = (at.met.slopes.T @ forces)[lagrangian.free[: lagrangian.moves]]
+        return own.gradient + own.jacobian.T @ multipliers + np.pad(pushed, (0, lagrangian.size - lagrangian.moves))
 
-    assert np.abs(lagrangian.gradient(state, multipliers) - force(state)).max() < 1e-12 * np.abs(force(state)).max()
+    assert np.abs(lagrangian.gradient(state, multipliers, forces) - force(state)).max() < 1e-12 * np.abs(force(state)).max()
     matrix = lagrangian.pattern.matrix(model, model.hessian, 0.0, np.zeros(len(multipliers)))
     change = (force(there) - force(back)) / (2 * h)
     product = (matrix @ np.concatenate([step, 0 * multipliers]))[: lagrangian.size]
@@ -141,12 +149,15 @@ def test_solutions_of_bordered_matrices_and_their_inertia():
     near = np.hypot(*(points[:, None] - points).T) < 0.3
     A = near * rng.standard_normal((60, 60))
     A, B, right = A + A.T, rng.standard_normal((60, 2)), rng.standard_normal(60)
-    saddle = Saddle(points, B)
-    negative = saddle.factorise(sparse.csr_matrix(A))
+    saddle = Saddle(points)
+    # The third column of the border says the same as the first.
+    assert saddle.factorise(sparse.csr_matrix(A), np.column_stack([B, 2 * B[:, 0]])) == saddle.factorise(sparse.csr_matrix(A), B)
+    negative = saddle.factorise(sparse.csr_matrix(A), B)
     whole = np.block([[A, B], [B.T, np.zeros((2, 2))]])
     assert negative == (np.linalg.eigvalsh(whole) < 0).sum() - 2
-    expected = np.linalg.solve(whole, np.append(right, [0.0, 0.0]))[:60]
-    assert np.abs(saddle.solve(right) - expected).max() < 1e-9 * np.abs(expected).max()
+    expected = np.linalg.solve(whole, np.append(right, [0.5, -2.0]))
+    solution, forces = saddle.solve(right, np.array([0.5, -2.0]))
+    assert np.abs(np.append(solution, forces) - expected).max() < 1e-9 * np.abs(expected).max()
 
 
 def test_saddles_over_lifted_corners_do_not_depend_on_the_triangles():
