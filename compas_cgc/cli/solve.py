@@ -193,15 +193,20 @@ def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], 
 def _draw(picture: Path, of: str, result: SolveResult) -> Path:
     """Draw a result and return the path of the picture."""
     from ..plot import draw_zebra
+    from ..plot import key_of
     from ..plot import save
     from ..plot import studio
 
     path = _named(picture, result)
     problem = result.problem
     shape = (problem.vertices, problem.faces, problem.roles, problem.creases)
+    key = key_of(problem)
     if of == "zebra":
-        return save(cast("Figure", draw_zebra(*shape).figure), path)
-    return save(studio(*shape, curvature=result.curvature if of == "K" else None, width=PICTURE_WIDTH), path)
+        return save(cast("Figure", draw_zebra(*shape, key=key).figure), path)
+    # In perspective, lengths depend on the distance.
+    words = (*key.words, *(["red: K > 0, blue: K < 0"] if of == "K" else []), "scale: at the middle of the surface")
+    curvature = result.curvature if of == "K" else None
+    return save(studio(*shape, curvature=curvature, width=PICTURE_WIDTH, key=key._replace(words=words)), path)
 
 
 def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCProblem:

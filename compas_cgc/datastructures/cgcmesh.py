@@ -45,6 +45,7 @@ from ..model.constraints import point_array
 from ..model.given import checked_number
 from ..model.given import no_region
 from ..model.given import no_vertex
+from ..model.given import plan_direction
 from ..model.given import vertex_names
 from ..model.given import vertex_paths
 from ..model.laws import ConstantCurvature
@@ -72,6 +73,8 @@ from .subdivision import subdivided
 from .transformation import transform
 
 __all__ = ["CGCMesh"]
+
+DRAWING = ("units", "tolerance", "north")  # attributes of a mesh that describe its drawing
 
 
 class CGCMesh(Mesh):
@@ -424,7 +427,7 @@ class CGCMesh(Mesh):
             goals=self.goals(),
             laws=self._laws(),
             names=names,
-            drawing=Drawing(self.name or "mesh", self.attributes.get("units"), self.attributes.get("tolerance")),
+            drawing=self._drawing(),
             origin=self.origin,
         )
 
@@ -443,12 +446,19 @@ class CGCMesh(Mesh):
         for edge in problem.names.vertices[problem.creases].tolist():
             mesh.edge_attribute(tuple(edge), "is_crease", True)
         mesh.name = problem.drawing.name
-        known = {"units": problem.drawing.units, "tolerance": problem.drawing.tolerance}
-        mesh.attributes.update({name: value for name, value in known.items() if value is not None})
+        known, usual = problem.drawing._asdict(), Drawing()._asdict()
+        mesh.attributes.update({name: known[name] for name in DRAWING if known[name] != usual[name]})
         mesh.set_goals(problem.goals)
         mesh._set_laws(problem.laws)
         mesh.origin = problem.origin
         return mesh
+
+    def _drawing(self) -> Drawing:
+        """Return the metadata of the drawing from the attributes of the mesh."""
+        known = {name: self.attributes[name] for name in DRAWING if name in self.attributes}
+        if "north" in known:
+            known["north"] = plan_direction(known["north"], "the direction of north")
+        return Drawing(self.name or "mesh", **known)
 
     def _numbers(self, name: str) -> FloatArray:
         default = self.default_vertex_attributes.get(name)

@@ -24,9 +24,11 @@ from .leaders import LED
 from .leaders import READABLE
 from .leaders import led_aside
 from .leaders import sides_of
+from .legend import key_of_plan
 from .legend import with_legend
 from .patterns import Patterns
 from .patterns import refuse_others
+from .picture_key import key_of
 from .sheet_drawing import MARK_LENGTH
 
 __all__ = ["courses", "draw_plan", "neighbours", "numbered_courses"]
@@ -159,7 +161,8 @@ def draw_plan(patterns: Patterns) -> Drawing:
         f"drawn 1:1, seen from above, x to the right and y up; the lower left corner of this plan lies at {origin} of the model",
         "pieces lie on their sheets turned; the numbers of seams show how",
     ]
-    return with_legend(Drawing(lines, texts, size, units), MEANINGS, notes, 0.75 * height)
+    key = key_of_plan(key_of(patterns.problem), np.array([0.0, size[1] + 5.0 * height]), size[0], 0.75 * height)
+    return with_legend(Drawing([*lines, *key[0]], [*texts, *key[1]], size, units), MEANINGS, notes, 0.75 * height)
 
 
 def _beside(path: FloatArray, text: str, size: float) -> list[FloatArray]:

@@ -12,6 +12,7 @@ from .drawing import Text
 from .drawing import text_box
 from .laths import Lath
 from .laths import LathSchedule
+from .legend import key_of_plan
 from .legend import outside_note
 from .legend import with_legend
 from .start_labels import names_at_starts
@@ -204,4 +205,8 @@ def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
     boxes = [text_box(str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
     texts = [Text("LABEL", name, place, height) for name, place in zip(names, names_at_starts(names, paths, height, boxes))]
     texts += [Text("NODE", str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
-    return Drawing([Line("PLAN", path) for path in paths], texts, (0.0, 0.0), "Millimeters")
+    lines = [Line("PLAN", path) for path in paths]
+    left, top = float(min(path[:, 0].min() for path in paths)), float(max(path[:, 1].max() for path in paths))
+    width = float(max(path[:, 0].max() for path in paths)) - left
+    key = key_of_plan(schedule.key._replace(unit="mm"), np.array([left, top + 4.0 * height]), width, height)
+    return Drawing([*lines, *key[0]], [*texts, *key[1]], (0.0, 0.0), "Millimeters")

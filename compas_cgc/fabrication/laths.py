@@ -21,6 +21,8 @@ from .legend import outside_is_above
 from .materials import Material
 from .materials import material_named
 from .materials import metres_per_unit
+from .picture_key import Key
+from .picture_key import key_of
 
 __all__ = ["Lath", "LathSchedule", "lath_schedule"]
 
@@ -59,6 +61,7 @@ class LathSchedule(NamedTuple):
     unit: float  # length of the model unit [m]
     stock: float  # length of the stock, 0 if unlimited [L]
     above: Optional[bool]  # whether the outside, to which normals point, is above everywhere (True) or below (False), else None
+    key: Key  # unit, north and K of the drawing
 
 
 def lath_schedule(
@@ -147,7 +150,9 @@ def lath_schedule(
                 curve.points,
             )
         )
-    return LathSchedule(laths, float(width), float(thickness), stuff, unit, float(stock), outside_is_above(own_normals))
+    return LathSchedule(
+        laths, float(width), float(thickness), stuff, unit, float(stock), outside_is_above(own_normals), key_of(net.problem)
+    )
 
 
 class _Followed(NamedTuple):

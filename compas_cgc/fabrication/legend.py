@@ -12,9 +12,12 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from .drawing import LETTER_WIDTH
 from .drawing import Drawing
+from .drawing import Line
 from .drawing import Text
+from .picture_key import Key
+from .picture_key import draw_key
 
-__all__ = ["outside_is_above", "outside_note", "with_legend"]
+__all__ = ["key_of_plan", "outside_is_above", "outside_note", "with_legend"]
 
 LINE_PITCH = 1.8  # distance of lines of text, relative to their height
 MIN_LINE = 60  # characters on a line at least
@@ -30,6 +33,25 @@ def outside_note(above: Optional[bool]) -> str:
     """Return the sentence that defines the outside of a surface, by :func:`outside_is_above`."""
     where = {True: ", here above everywhere", False: ", here below everywhere", None: ""}[above]
     return f"outside: the side to which the normals of the surface point{where}"
+
+
+def key_of_plan(key: Key, at: FloatArray, width: float, height: float) -> tuple[list[Line], list[Text]]:
+    """Return the key of a plan, 1:1, on the layer LEGEND.
+
+    Parameters
+    ----------
+    key
+        Scale, north and words.
+    at
+        ``(2,)`` left end of the scale bar [L].
+    width
+        Width of the plan [L].
+    height
+        Height of the texts [L].
+    """
+    marks = draw_key(key, width, 1.0, height, np.eye(3)).moved(at)
+    texts = [Text("LEGEND", text, place, height, starts=True) for text, place in marks.texts]
+    return [Line("LEGEND", line) for line in marks.lines], texts
 
 
 def with_legend(drawing: Drawing, meanings: Mapping[str, str], notes: Sequence[str], height: float, width: float = 0.0) -> Drawing:

@@ -506,7 +506,9 @@ TASKS: dict[str, Task] = {
                     "section",
                     many=True,
                 ),
-                BuildOption("north", "direction of north in plan (default: 0,1)", values.plan_vector, _PLAN_VECTOR, "X,Y"),
+                BuildOption(
+                    "north", "direction of north in plan (default: that of the file, or 0,1)", values.plan_vector, _PLAN_VECTOR, "X,Y"
+                ),
                 BuildOption(
                     "title", "title of the sheet (default: name of the surface)", values.text, {"type": "string", "maxLength": 200}, "TEXT"
                 ),

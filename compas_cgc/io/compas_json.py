@@ -13,6 +13,8 @@ import numpy as np
 
 from ..errors import FileError
 from ..meshing.cleanup import Omission
+from ..model.given import plan_direction
+from ..model.problem import Drawing
 from ..model.problem import PosesProblem
 from .cleanup import check_mesh
 from .cursor import Cursor
@@ -60,6 +62,7 @@ def read_json(path: Path, name: Optional[str] = None) -> tuple[CGCMesh, list[str
         # COMPAS calls objects without a name by their class.
         if mesh.name in UNNAMED:
             mesh.name = path.stem
+        plan_direction(mesh.attributes.get("north", Drawing().north), "the direction of north")
         place = {key: i for i, key in enumerate(mesh.vertex)}
         points = [[own[axis] for axis in "xyz"] for own in mesh.vertex.values()]
         vertices = np.array(points, dtype=np.float64).reshape(-1, 3)

@@ -11,10 +11,13 @@ from ..discrete.arrays import FloatArray
 from ..fabrication.drawing import LETTER_WIDTH
 from ..fabrication.dxf import new_document
 from ..fabrication.dxf import show_all
+from ..fabrication.picture_key import Key
+from ..fabrication.picture_key import draw_key
 
 __all__ = ["FIRST", "GREY", "INK", "SECOND", "ModelDxf"]
 
 INK, FIRST, SECOND, GREY = 7, 5, 1, 8  # colours of AutoCAD: contrast to the background, blue, red, grey
+KEY_ROWS = 3.0  # lines of the legend that the key takes
 LINE_PITCH = 1.8  # distance of lines of the legend, relative to their height
 MIN_LINE = 60  # characters on a line of the legend at least
 
@@ -48,17 +51,28 @@ class ModelDxf:
         """Add a text with its middle at a place (3,)."""
         from ezdxf.enums import TextEntityAlignment
 
+        self.points.append(place[None])
         entity = self.space.add_text(words, height=height, dxfattribs={"layer": layer})
         entity.set_placement(place.tolist(), align=TextEntityAlignment.MIDDLE_CENTER)
 
-    def save(self, path: str, notes: Sequence[str]) -> None:
-        """Write the file with a legend as wide as the model, on the layer LEGEND."""
+    def save(self, path: str, notes: Sequence[str], key: Key) -> None:
+        """Write the file with a key, its lengths in mm, and a legend as wide as the model, on the layer LEGEND."""
+        from ezdxf.enums import TextEntityAlignment
+
         self.layer("LEGEND")
         every = np.vstack(self.points)
         low, high = every.min(axis=0), every.max(axis=0)
         length = max(MIN_LINE, int((high[0] - low[0]) / (LETTER_WIDTH * self.height)))
         rows = [row for note in notes for row in textwrap.wrap(note, length, subsequent_indent="    ")]
-        places = low - np.outer(2.0 + np.arange(len(rows)), [0.0, LINE_PITCH * self.height, 0.0])
+        places = low - np.outer(2.0 + KEY_ROWS + np.arange(len(rows)), [0.0, LINE_PITCH * self.height, 0.0])
+        marks = draw_key(key._replace(unit="mm"), float(high[0] - low[0]), 1.0, self.height, np.eye(3))
+        marks = marks.moved(low[:2] - [0.0, 2.0 * LINE_PITCH * self.height])
+        for line in marks.lines:
+            self.space.add_polyline3d(np.column_stack([line, np.full(len(line), low[2])]).tolist(), dxfattribs={"layer": "LEGEND"})
+        for words, place in marks.texts:
+            at = (*place.tolist(), low[2])
+            entity = self.space.add_text(words, height=self.height, dxfattribs={"layer": "LEGEND"})
+            entity.set_placement(at, align=TextEntityAlignment.MIDDLE_LEFT)
         for row, place in zip(rows, places):
             self.space.add_text(row, height=self.height, dxfattribs={"layer": "LEGEND"}).set_placement(place.tolist())
         show_all(self.document, np.vstack([low, high, places]))

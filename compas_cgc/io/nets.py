@@ -18,6 +18,7 @@ from ..fabrication.lath_files import draw_laths
 from ..fabrication.lath_files import schedule_text
 from ..fabrication.laths import lath_schedule
 from ..fabrication.materials import metres_per_unit
+from ..fabrication.picture_key import key_of
 from ..fabrication.plain_data import build_data
 from ..fabrication.start_labels import names_at_starts
 from ..meshing import boundary_loops
@@ -106,4 +107,4 @@ def _write_dxf(path: str, net: CurveNet) -> None:
         f"EDGES: edges of the surface{'; CREASES: its creases' if len(problem.creases) else ''}; curves end there",
         f"{len(net.curves)} curves of {min(lengths):.0f} to {max(lengths):.0f} mm",
     ]
-    drawing.save(path, [note for note in notes if note])
+    drawing.save(path, [note for note in notes if note], key_of(problem))

@@ -11,6 +11,7 @@ import numpy as np
 from .._atomic_write import replacing
 from ..fabrication.dxf import dxf_text
 from ..fabrication.materials import metres_per_unit
+from ..fabrication.picture_key import key_of
 from ..fabrication.plain_data import build_data
 from ..fabrication.quad_drawing import draw_quads
 from ..fabrication.quad_drawing import face_label
@@ -91,4 +92,4 @@ def _write_dxf(path: str, quads: PlaneQuads) -> None:
     for k, (place, length) in enumerate(zip(places, shortest.tolist())):
         drawing.text(str(k), place, min(0.5 * height, BEAM_TEXT * length), "NODE_NUMBERS")
     notes = ["model in place, 1:1, in mm; FACES: outlines of faces; BEAMS: axes of beams, between nodes at the faces", *quad_notes(quads)]
-    drawing.save(path, notes)
+    drawing.save(path, notes, key_of(quads.problem))

@@ -17,7 +17,16 @@ from ..errors import CGCError
 from ..meshing.boundary import SUPPORT_NAMES
 from ..meshing.checks import listed
 
-__all__ = ["checked_number", "refuse_other_units", "no_region", "no_vertex", "vertex_names", "vertex_paths", "wrong_problem"]
+__all__ = [
+    "checked_number",
+    "plan_direction",
+    "refuse_other_units",
+    "no_region",
+    "no_vertex",
+    "vertex_names",
+    "vertex_paths",
+    "wrong_problem",
+]
 
 MAX_LENGTH_RATIO = 20.0  # of a length and the surface that it divides, beyond which it is probably in other units: 1000 for mm and m
 NEAREST = "mesh.vertices_near(points) returns the keys of the vertices nearest to given points"
@@ -34,6 +43,20 @@ def checked_number(value: object, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise ValueError(f"{name} must be a number, not {_shown(value)}")
     return float(value)
+
+
+def plan_direction(value: object, name: str) -> tuple[float, float]:
+    """Return a direction in plan as two floats.
+
+    Raises
+    ------
+    ValueError
+        If it is not two finite numbers that are not both zero.
+    """
+    pair = tuple(checked_number(own, name) for own in value) if isinstance(value, Sequence) and not isinstance(value, str) else ()
+    if len(pair) != 2 or not (np.isfinite(pair).all() and any(pair)):
+        raise ValueError(f"{name} must be two numbers that are not both zero, such as (0, 1), not {_shown(value)}")
+    return pair
 
 
 def refuse_other_units(name: str, value: float, size: float, units: Optional[str]) -> None:

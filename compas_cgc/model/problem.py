@@ -74,6 +74,7 @@ class Drawing(NamedTuple):
     units: Optional[str] = None  # unit system such as ``Meters``
     tolerance: Optional[float] = None  # distance within which points coincide [L]
     places: tuple[tuple[str, Sequence[Sequence[float]]], ...] = ()  # named closed polylines in plan [L]
+    north: tuple[float, float] = (0.0, 1.0)  # direction in plan
 
 
 class Origin(NamedTuple):
@@ -144,7 +145,7 @@ class CGCProblem:
     names
         Keys of vertices and faces in the user's mesh. Default: their indices.
     drawing
-        Name, units and tolerance of the drawing that the mesh comes from.
+        Name, units, tolerance and north of the drawing that the mesh comes from.
     origin
         For a result: the problem that its surface solves, which later solves with other targets start from.
 
@@ -388,6 +389,7 @@ class CGCProblem:
 
         tolerance = None if self.drawing.tolerance is None else motion.measure(self.drawing.tolerance)
         places = tuple((name, motion.plan(line).tolist()) for name, line in self.drawing.places) if motion.up else ()
+        x, y, _ = motion.direction((*self.drawing.north, 0.0)).tolist()
         origin = (
             None
             if self.origin is None
@@ -400,7 +402,7 @@ class CGCProblem:
             targets=self.targets / motion.scale**2,
             laws={region: law.scaled(motion.scale) for region, law in self.laws.items()},
             goals=moved_goals(self.goals, motion),
-            drawing=self.drawing._replace(tolerance=tolerance, places=places),
+            drawing=self.drawing._replace(tolerance=tolerance, places=places, north=(x, y) if motion.up else self.drawing.north),
             origin=origin,
         )
 

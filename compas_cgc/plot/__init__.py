@@ -8,6 +8,8 @@ Requires the extra ``plot``; matplotlib is imported lazily.
 from __future__ import annotations
 
 from .._figures import save
+from ..fabrication.picture_key import Key
+from ..fabrication.picture_key import key_of
 from .curve import Curve
 from .curve import curve_figure
 from .curve import draw_curve
@@ -30,6 +32,7 @@ from .zebra import draw_zebra
 __all__ = [
     "VIEWS",
     "Curve",
+    "Key",
     "Shape",
     "View",
     "comparison_figure",
@@ -42,6 +45,7 @@ __all__ = [
     "draw_zebra",
     "error_figure",
     "history_figure",
+    "key_of",
     "moulds_figure",
     "save",
     "shape_figure",

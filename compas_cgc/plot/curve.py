@@ -14,15 +14,16 @@ from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
 from ..errors import names_what_was_meant
+from ..fabrication.picture_key import Key
 from .colours import INK
 from .colours import SUPPORT
 from .layout import caption
 from .layout import heading
 from .layout import letter
 from .layout import panels
-from .layout import scale_bar
 from .layout import show
 from .layout import shown
+from .legend import add_key
 from .view import Frame
 from .view import frame_of
 
@@ -179,7 +180,7 @@ def curve_figure(curves: Sequence[Union[Curve, tuple[Any, ...]]], title: Optiona
     for i, (ax, curve) in enumerate(zip(axes, drawn)):
         draw_curve(*curve[1:], ax=ax, frame=shown(ax))
         caption(ax, f"{letter(i)} {curve.title}")
-    scale_bar(axes[0], unit)
+    add_key(axes[0], Key(unit or "", None))
     if title:
         heading(axes, title)
     return figure

@@ -18,18 +18,23 @@ from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vertices
 from ..errors import ArgumentError
 from ..errors import names_what_was_meant
+from ..fabrication.picture_key import Key
 from ..model.roles import INTERNAL
 from .layout import caption
 from .layout import heading
 from .layout import letter
 from .layout import panels
-from .layout import scale_bar
 from .layout import shown
+from .legend import BELOW
+from .legend import FOOT
 from .legend import SIDE
+from .legend import add_key
 from .maps import draw_error
 from .projected_mesh import look
 from .shape import draw_shape
 from .view import View
+from .view import view_axes
+from .view import view_named
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -123,13 +128,13 @@ def shape_figure(
     if not views:
         raise ArgumentError("shape_figure requires at least one view, such as 'diagonal' or 'plan'")
     rows = [[look(*shape[1:4], view, dummies).frame for view in views] for shape in shapes]
-    figure, axes = panels(rows, head=HEAD, foot=0.42)
+    figure, axes = panels(rows, head=HEAD, foot=FOOT)
     for shape, row in zip(shapes, axes):
         for i, (ax, view) in enumerate(zip(row, views)):
             draw_shape(*shape[1:5], view=view, ax=ax, dummies=dummies, frame=shown(ax))
             caption(ax, f"{letter(i)} {view} view" if isinstance(view, str) else letter(i))
         heading(row, shape.title)
-    scale_bar(axes[-1][-1], unit)
+    add_key(axes[-1][-1], Key(unit or ""), view_axes(view_named(views[-1])))
     return figure
 
 
@@ -185,11 +190,11 @@ def comparison_figure(
     shapes = checked(shapes, "comparison_figure")
     frames = [look(*shape[1:4], view, dummies).frame for shape in shapes]
     rows = [frames[i : i + columns] for i in range(0, len(frames), columns)]
-    figure, axes = panels(rows, foot=0.42)
+    figure, axes = panels(rows, foot=FOOT)
     for i, (ax, shape) in enumerate(zip(sum(axes, []), shapes)):
         draw_shape(*shape[1:5], view=view, ax=ax, dummies=dummies, frame=shown(ax))
         caption(ax, f"{letter(i)} {shape.title}")
-    scale_bar(axes[-1][0], unit)
+    add_key(axes[-1][0], Key(unit or ""), view_axes(view_named(view)))
     return figure
 
 
@@ -243,10 +248,11 @@ def error_figure(
     shapes = checked(shapes, "error_figure")
     errors = [given_errors(shape) for shape in shapes]
     frames = [look(*shape[1:4], view, dummies=False).frame for shape in shapes]
-    figure, (axes,) = panels([frames], foot=0.45, side=SIDE)
+    figure, (axes,) = panels([frames], foot=FOOT + 0.25, side=SIDE)
     for i, (ax, shape, error) in enumerate(zip(axes, shapes, errors)):
         draw_error(*shape[1:4], error, view, ax, creases=shape.creases, unit=unit, label=label, frame=shown(ax))
         caption(ax, f"{letter(i)} {shape.title}\n{largest(shape)}")
+    add_key(axes[0], Key(unit or ""), view_axes(view_named(view)), below=BELOW + 18.0)
     return figure
 
 

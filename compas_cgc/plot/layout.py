@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 from typing import Any
-from typing import Optional
 
 from .._figures import new_figure
 from .colours import INK
@@ -14,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["SIZE", "caption", "heading", "letter", "panels", "points_per_length", "scale_bar", "show", "shown", "write"]
+__all__ = ["SIZE", "caption", "heading", "letter", "panels", "points_per_length", "show", "shown", "write"]
 
 GAP = 0.25  # between panels [in]
 EDGE = 0.12  # around the sheet [in]
@@ -104,21 +103,3 @@ def points_per_length(ax: Axes) -> float:
     width, height = ax.figure.figure.get_size_inches()
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     return 72.0 * float(min(box.width * width / (right - left), box.height * height / (top - bottom)))
-
-
-def scale_bar(ax: Axes, unit: Optional[str] = None) -> None:
-    """Draw a scale bar of a round length below the left of a panel."""
-    left, right = ax.get_xlim()
-    length = round_below((right - left) / 4)
-    part = length / (right - left)
-    below = -23.0 / 72.0 / (ax.get_position().height * ax.figure.figure.get_size_inches()[1])
-    ax.plot([0.0, part], [below, below], transform=ax.transAxes, color=INK, lw=1.2, solid_capstyle="butt", clip_on=False)
-    label = f"{length:g} {unit}" if unit else f"{length:g}"
-    write(ax, label, (part, below), (3.0, 0.0), va="center", fontsize=SIZE - 1)
-
-
-def round_below(length: float) -> float:
-    """Return the largest number of the form 1, 2 or 5 times a power of ten not above a positive length."""
-    mantissa, exponent = f"{length:e}".split("e")
-    step = max(s for s in (1, 2, 5) if s <= float(mantissa))
-    return float(f"{step}e{exponent}")

@@ -1,4 +1,4 @@
-"""Colour bar of an error map."""
+"""Legends of pictures: scale, north and K, and the colour bar of an error map."""
 
 from __future__ import annotations
 
@@ -6,18 +6,68 @@ import math
 from typing import TYPE_CHECKING
 from typing import Optional
 
+import numpy as np
+
 from .._figures import matplotlib_module
+from ..discrete.arrays import FloatArray
+from ..fabrication.picture_key import Key
+from ..fabrication.picture_key import draw_key
 from .colours import INK
 from .colours import diverging_map
 from .layout import SIZE
+from .layout import points_per_length
 from .layout import write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["SIDE", "colour_bar", "per_area"]
+__all__ = ["FOOT", "PLAN", "SIDE", "add_key", "colour_bar", "per_area"]
 
+FOOT = 0.42  # space for a key below a panel with a caption [in]
+PLAN = np.eye(3)  # axes of a view from above
+BELOW = 23.0  # distance of the key from a panel, below its caption [pt]
+CAPITALS = 0.72  # height of capitals relative to the size of the font
 SIDE = 0.85  # space for a colour bar to the right of a panel [in]
+
+
+def add_key(
+    ax: Axes,
+    key: Key,
+    axes: FloatArray = PLAN,
+    below: float = BELOW,
+    scale: Optional[float] = None,
+    size: float = SIZE - 1,
+    at: float = 0.0,
+) -> None:
+    """Draw the key of a picture below its axes.
+
+    Parameters
+    ----------
+    ax
+        Axes with equal scales.
+    key
+        Scale, north, and further words.
+    axes
+        ``(3, 3)`` unit vectors to the right, upwards, and to the viewer.
+    below
+        Distance of the key from the lower edge of the axes, downwards [pt].
+    scale
+        Points on paper per unit of length of the surface. Default: those of the axes.
+    size
+        Font size [pt].
+    at
+        Start of the key, relative to the width of the axes.
+    """
+    transforms, lines = matplotlib_module("transforms"), matplotlib_module("lines")
+    figure = ax.figure.figure
+    width = 72.0 * float(ax.get_position().width * figure.get_size_inches()[0])
+    marks = draw_key(key, width, scale or points_per_length(ax), CAPITALS * size, axes)
+    start = transforms.ScaledTranslation(at, 0.0, ax.transAxes)
+    points = transforms.Affine2D().translate(0.0, -below).scale(1.0 / 72.0) + figure.dpi_scale_trans + start
+    for line in marks.lines:
+        ax.add_artist(lines.Line2D(*line.T, transform=points, color=INK, lw=0.9, solid_capstyle="butt", clip_on=False))
+    for text, place in marks.texts:
+        ax.text(float(place[0]), float(place[1]), text, transform=points, color=INK, fontsize=size, ha="left", va="center", clip_on=False)
 
 
 def colour_bar(ax: Axes, limit: float, label: str) -> None:

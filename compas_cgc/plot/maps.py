@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
 from ..errors import names_what_was_meant
+from ..fabrication.picture_key import Key
 from ..model.roles import INTERNAL
 from .colours import UNDEFINED
 from .colours import brightness
@@ -50,6 +51,7 @@ def draw_error(
     unit: Optional[str] = None,
     label: Optional[str] = None,
     frame: Optional[Frame] = None,
+    key: Optional[Key] = None,
 ) -> Axes:
     """Draw the error map: red where K is above its target, blue where below, grey where K is not prescribed.
 
@@ -80,6 +82,8 @@ def draw_error(
         Label of the colour bar. Default: K - K̄ with its unit.
     frame
         Visible part of the projection. Default: everything.
+    key
+        Unit, north and words of the key below a new figure, see :func:`key_of`. Default: only the unit is known.
 
     Returns
     -------
@@ -108,7 +112,9 @@ def draw_error(
     roles = np.asarray(roles)
     values = vertex_values(errors, len(roles), "errors")
     values = np.where(roles == INTERNAL, values, np.nan)
-    return draw_values(vertices, faces, roles, values, view, ax, creases, limit, label or rf"$K-\bar K${per_area(unit)}", frame)
+    return draw_values(
+        vertices, faces, roles, values, view, ax, creases, limit, label or rf"$K-\bar K${per_area(unit)}", frame, key or Key(unit or "")
+    )
 
 
 @names_what_was_meant()
@@ -125,6 +131,7 @@ def draw_curvature(
     unit: Optional[str] = None,
     label: Optional[str] = None,
     frame: Optional[Frame] = None,
+    key: Optional[Key] = None,
 ) -> Axes:
     """Draw the Gaussian curvature itself: red where positive, white where flat, blue where negative.
 
@@ -140,7 +147,7 @@ def draw_curvature(
         ``(n,)`` K [1/L^2]; NaN is grey, as on creases and open boundaries.
     creases
         ``(e, 2)`` edges, as in :func:`draw_error`.
-    view, ax, limit, unit, label, frame
+    view, ax, limit, unit, label, frame, key
         As in :func:`draw_error`.
 
     Returns
@@ -164,7 +171,9 @@ def draw_curvature(
     'Axes'
     """
     values = vertex_values(curvature, len(np.asarray(roles)), "curvature")
-    return draw_values(vertices, faces, roles, values, view, ax, creases, limit, label or f"$K${per_area(unit)}", frame)
+    return draw_values(
+        vertices, faces, roles, values, view, ax, creases, limit, label or f"$K${per_area(unit)}", frame, key or Key(unit or "")
+    )
 
 
 def draw_values(
@@ -178,11 +187,12 @@ def draw_values(
     limit: Optional[float],
     label: str,
     frame: Optional[Frame],
+    key: Key,
 ) -> Axes:
     """Draw signed values ``(n,)`` at vertices with a colour bar."""
     view = view_named(view)
     seen = look(vertices, faces, roles, view, dummies=False)
-    ax = axes_for(ax, frame or seen.frame, SIDE)
+    ax = axes_for(ax, seen, frame, view, key, SIDE)
     limit = limit or limit_above(values[seen.faces])
     colours = diverging_map()(np.clip(values / limit, -1.0, 1.0) / 2 + 0.5)
     colours[~np.isfinite(values)] = rgba(UNDEFINED)

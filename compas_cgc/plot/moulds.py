@@ -18,12 +18,15 @@ from ..fabrication.mould_report import Mould
 from ..fabrication.mould_report import MouldReport
 from ..fabrication.mould_report import PanelFit
 from ..fabrication.mould_surface import cap_mesh
+from ..fabrication.picture_key import key_of
 from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from .colours import INK
 from .colours import PALETTE
 from .free_texts import LETTER
+from .legend import PLAN
+from .legend import add_key
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -91,6 +94,7 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     kinds = [PALETTE[(fit.mould - 1) % len(PALETTE)] for fit in report.panels]
     _draw_plan(plan, problem, report, colours=kinds)
     plan.set_title("panels, coloured by mould", fontsize=8)
+    add_key(plan, key_of(problem)._replace(words=()), _sheet_of(problem))
     _draw_values(figure, lower(0.35), problem, report, [fit.rigid for fit in report.panels], "deviation without bending [mm]")
     text = f"bending stress, {report.thickness:g} mm {report.material.name} [MPa]"
     _draw_values(figure, lower(0.67), problem, report, [fit.stress for fit in report.panels], text)
@@ -114,16 +118,17 @@ def _wrapped(text: str) -> str:
 
 
 def _sheet_of(problem: CGCProblem) -> FloatArray:
-    """Return the axes of the projection plane perpendicular to the mean normal of the surface (2, 3)."""
+    """Return unit vectors to the right, upwards and to the viewer for a view from above, or of an upright surface from in front (3, 3)."""
     V, F = problem.vertices, problem.faces
     up = (face_areas(V, F)[:, None] * face_normals(V, F)).sum(axis=0)
     if abs(up[2]) >= 0.5 * np.linalg.norm(up):
-        return np.eye(3)[:2]
-    return np.array([np.cross([0.0, 0.0, 1.0], up / np.linalg.norm(up)), [0.0, 0.0, 1.0]])
+        return PLAN
+    front = np.array([up[0], up[1], 0.0]) / np.hypot(up[0], up[1])
+    return np.array([np.cross([0.0, 0.0, 1.0], front), [0.0, 0.0, 1.0], front])
 
 
 def _draw_plan(ax: Axes, problem: CGCProblem, report: MouldReport, colours: list) -> None:
-    axes = _sheet_of(problem)
+    axes = _sheet_of(problem)[:2]
     collections, outlines = matplotlib_module("collections"), []
     triangles, fill = [], []
     for fit, colour in zip(report.panels, colours):

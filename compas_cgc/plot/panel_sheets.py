@@ -19,17 +19,24 @@ from .._figures import save_pages
 from ..discrete.arrays import FloatArray
 from ..fabrication.mould_report import K_MEANING
 from ..fabrication.panel_schedule import PanelSheet
+from ..fabrication.picture_key import Key
 from ..meshing.polyline import arc_lengths
 from ..meshing.polyline import point_at
+from ..model.problem import Drawing
 from .colours import INK
 from .free_texts import LETTER
 from .free_texts import FreeTexts
+from .layout import points_per_length
+from .legend import add_key
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["panel_figure", "save_panel_sheets"]
 
+Plan = tuple[float, float]
+
+NORTH = Drawing().north
 PAGE = (11.7, 8.3)  # A4 [in]
 WARNING = "#b00020"
 ROWS = 32  # of the schedule on one page
@@ -53,8 +60,8 @@ HEAD = (
 )
 
 
-def save_panel_sheets(sheets: list[PanelSheet], path: Union[str, os.PathLike], title: str = "") -> Path:
-    """Write the schedule of panels and one drawing per panel as PDF; panels that would break are red.
+def save_panel_sheets(sheets: list[PanelSheet], path: Union[str, os.PathLike], title: str = "", north: Plan = NORTH) -> Path:
+    """Write the schedule of panels and one drawing per panel as PDF, with a direction of north in plan; panels that would break are red.
 
     Raises
     ------
@@ -64,15 +71,15 @@ def save_panel_sheets(sheets: list[PanelSheet], path: Union[str, os.PathLike], t
         If the file cannot be written.
     """
     matplotlib_module("figure")
-    return save_pages(_pages(sheets, title), path)
+    return save_pages(_pages(sheets, title, north), path)
 
 
-def _pages(sheets: list[PanelSheet], title: str) -> Iterator[Figure]:
+def _pages(sheets: list[PanelSheet], title: str, north: Plan) -> Iterator[Figure]:
     for first in range(0, len(sheets), ROWS):
         yield _schedule(sheets[first : first + ROWS], f"{title} panels {first + 1} to {min(first + ROWS, len(sheets))} of {len(sheets)}")
-    yield _plan(sheets, f"{title} plan of {len(sheets)} panels")
+    yield _plan(sheets, f"{title} plan of {len(sheets)} panels", north)
     for own in sheets:
-        yield panel_figure(own, title, sheets)
+        yield panel_figure(own, title, sheets, north)
 
 
 def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
@@ -94,13 +101,14 @@ def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
     return figure
 
 
-def _plan(sheets: list[PanelSheet], title: str) -> Figure:
+def _plan(sheets: list[PanelSheet], title: str, north: Plan) -> Figure:
     """Return the plan with the names of all panels, each with a dot at corner 1."""
     figure = new_figure(*PAGE)
     figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
-    figure.text(0.05, 0.93, "seen from above, x to the right and y up, not to scale; dots: corner 1 of the panels", fontsize=7, color=INK)
-    axes = _plan_axes(figure, sheets, (0.04, 0.04, 0.92, 0.86), "0.2")
-    scale = 72.0 * min(0.92 * PAGE[0] / np.ptp(axes.get_xlim()), 0.86 * PAGE[1] / np.ptp(axes.get_ylim()))
+    figure.text(0.05, 0.93, "seen from above, x to the right and y up; dots: corner 1 of the panels", fontsize=7, color=INK)
+    axes = _plan_axes(figure, sheets, (0.04, 0.08, 0.92, 0.82), "0.2")
+    add_key(axes, Key("mm", north, _curvatures(sheets)))
+    scale = points_per_length(axes)
     for own in sheets:
         plan = own.corners[:, :2]
         middle, name = plan.mean(axis=0), own.fit.panel.name
@@ -119,6 +127,12 @@ def _plan_axes(figure: Figure, sheets: Sequence[PanelSheet], place: tuple[float,
     paths = [np.vstack([own.corners[:, :2], own.corners[:1, :2], np.full((1, 2), np.nan)]) for own in sheets]
     axes.plot(*np.concatenate(paths).T, color=color, linewidth=0.4)
     return axes
+
+
+def _curvatures(sheets: Sequence[PanelSheet]) -> tuple[str, ...]:
+    """Return the range of the K of panels as words of a key."""
+    low, high = (f"{end(own.K + 0.0 for own in sheets):.3g}" for end in (min, max))
+    return (f"K = {low if low == high else f'{low} to {high}'} 1/m²",)
 
 
 def _cells(own: PanelSheet) -> tuple[str, ...]:
@@ -174,7 +188,7 @@ def _along(points: FloatArray, share: float) -> FloatArray:
     return point_at(points, share * arc_lengths(points)[-1:])[0]
 
 
-def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] = ()) -> Figure:
+def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] = (), north: Plan = NORTH) -> Figure:
     """Return the drawing of a panel: outline with lengths, diagonals and neighbours, size, mould and K, and its place among others."""
     figure = new_figure(*PAGE)
     place = (0.04, 0.24, 0.92, 0.54) if sheets else (0.04, 0.24, 0.92, 0.66)
@@ -190,11 +204,13 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
         plan = _plan_axes(figure, sheets, KEY, "0.7")
         plan.fill(*own.corners[:, :2].T, facecolor="0.4", edgecolor=INK, linewidth=0.4)
         plan.plot(*own.corners[0, :2], marker="o", markersize=2.5, color=INK)
+        add_key(plan, Key("mm", north), size=6.0)
         figure.text(KEY[0] + 0.5 * KEY[2], KEY[1] - 0.015, "place in plan, from above; dot: corner 1", fontsize=6, color=INK, ha="center")
     axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
+    add_key(axes, Key("mm", None), below=8.0)
     figure.text(0.05, 0.95, f"{title} panel {own.fit.panel.name}".strip(), fontsize=13, color=INK, weight="bold")
-    about = f"{_seen([own])}, in its mean plane, not to scale, lengths in millimetres; no joint is taken off"
+    about = f"{_seen([own])}, in its mean plane, lengths in millimetres; no joint is taken off"
     figure.text(0.05, 0.925, about, fontsize=7, color=INK)
     radius = f"{'radius' if own.K > 0.0 else '1/√|K| ='} {own.radius:.1f} mm"
     shape = f"Gaussian curvature K = {own.K:.6g} 1/m², {radius}" if own.radius else "plane"

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import names_what_was_meant
+from ..fabrication.picture_key import Key
 from ..model.roles import FIXED
 from .colours import DUMMY_EDGE
 from .colours import DUMMY_FACE
@@ -21,6 +22,8 @@ from .colours import rgba
 from .layout import panels
 from .layout import points_per_length
 from .layout import show
+from .legend import FOOT
+from .legend import add_key
 from .painter import Layer
 from .painter import discs
 from .painter import layer
@@ -31,6 +34,7 @@ from .projected_mesh import edge_array
 from .projected_mesh import look
 from .view import Frame
 from .view import View
+from .view import view_axes
 from .view import view_named
 
 if TYPE_CHECKING:
@@ -52,6 +56,7 @@ def draw_shape(
     *,
     dummies: bool = True,
     frame: Optional[Frame] = None,
+    key: Optional[Key] = None,
 ) -> Axes:
     """Draw a mesh with its dummies, supports and creases.
 
@@ -74,6 +79,8 @@ def draw_shape(
         Whether to show dummy faces.
     frame
         Visible part of the projection. Default: everything.
+    key
+        Unit, north and words of the key below a new figure, see :func:`key_of`.
 
     Returns
     -------
@@ -99,7 +106,7 @@ def draw_shape(
     """
     view = view_named(view)
     seen = look(vertices, faces, roles, view, dummies)
-    ax = axes_for(ax, frame or seen.frame)
+    ax = axes_for(ax, seen, frame, view, key)
     light = brightness(seen.normals, view, ambient=0.75)
     fill = np.where(seen.real[:, None], rgba(SURFACE), rgba(DUMMY_FACE))
     fill[:, :3] *= light[:, None]
@@ -109,11 +116,15 @@ def draw_shape(
     return ax
 
 
-def axes_for(ax: Optional[Axes], frame: Frame, side: float = 0.0) -> Axes:
-    """Return the given axes, or the axes of a new figure that shows a frame."""
-    if ax is None:
-        return panels([[frame]], width=5.0 + side, foot=0.0, side=side)[1][0][0]
-    show(ax, frame)
+def axes_for(ax: Optional[Axes], seen: Seen, frame: Optional[Frame], view: View, key: Optional[Key], side: float = 0.0) -> Axes:
+    """Return the given axes, or the axes of a new figure, with a key below if there is a surface to see; both show a frame."""
+    frame = frame or seen.frame
+    if ax is not None:
+        show(ax, frame)
+        return ax
+    ax = panels([[frame]], width=5.0 + side, foot=FOOT, side=side)[1][0][0]
+    if len(seen.faces):
+        add_key(ax, key or Key(), view_axes(view))
     return ax
 
 

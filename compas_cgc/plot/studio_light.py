@@ -22,10 +22,13 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import ArgumentError
 from ..errors import names_what_was_meant
+from ..fabrication.picture_key import Key
 from ..meshing import face_regions
 from ..model.roles import INTERNAL
 from .colours import diverging_map
 from .colours import rgba
+from .layout import SIZE
+from .legend import add_key
 from .maps import vertex_values
 from .projected_mesh import edge_array
 from .projected_mesh import real_faces
@@ -50,6 +53,8 @@ SKIES = 60
 SUNS = 12
 SUN_ANGLE = 0.09  # half of the angular diameter of the sun, large for soft shadows [rad]
 SHADOW_PIXELS = 300
+KEY_ROWS, KEY_AT = 5.5, 1.8  # height of the key and place of its first row, relative to its font
+KEY_LETTERS = 60  # that fit on a row of the key
 FLOOR = 0.85  # half of the width of the floor, relative to the diagonal of the model
 
 
@@ -73,6 +78,7 @@ def studio(
     view: Union[str, View] = STUDIO_VIEW,
     width: int = 1600,
     colours: Sequence[str] = TONES,
+    key: Optional[Key] = None,
 ) -> Figure:
     """Return a rendering of a surface, smooth between creases, with soft shadows.
 
@@ -94,6 +100,8 @@ def studio(
         Width of the picture [pixel].
     colours
         Tones of regions; adjacent regions have different tones.
+    key
+        Unit, north and words of the key below the picture, see :func:`key_of`; lengths are those at the middle of the surface.
 
     Returns
     -------
@@ -113,11 +121,17 @@ def studio(
     0.4
     """
     image = studio_image(vertices, faces, roles, creases, curvature=curvature, view=view, width=width, colours=colours)
-    height = len(image)
-    figure = new_figure(width / 200, height / 200)
-    ax = figure.add_axes((0, 0, 1, 1))
+    height = len(image) / 200
+    size = min(SIZE, 72.0 * width / 200 / KEY_LETTERS)
+    foot = KEY_ROWS * size / 72.0
+    figure = new_figure(width / 200, height + foot)
+    ax = figure.add_axes((0, foot / (height + foot), 1, height / (height + foot)))
     ax.set_axis_off()
     ax.imshow(image, interpolation="nearest", aspect="auto")
+    view, F = view_named(view), np.asarray(faces, dtype=np.int64)
+    surface = np.asarray(vertices, dtype=np.float64)[np.unique(F[real_faces(F, roles)])]
+    scale = 72.0 / 200 * _camera(surface, view, surface, width).scale
+    add_key(ax, key or Key(), view_axes(view), KEY_AT * size, scale, size, 0.02)
     return figure
 
 

@@ -15,6 +15,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.normals import unit_vectors
 from ..errors import names_what_was_meant
+from ..fabrication.picture_key import Key
 from ..meshing import face_regions
 from ..meshing.split_sides import split_sides
 from ..meshing.split_sides import weighted
@@ -53,6 +54,7 @@ def draw_zebra(
     *,
     stripes: float = 12.0,
     frame: Optional[Frame] = None,
+    key: Optional[Key] = None,
 ) -> Axes:
     """Draw a mesh as a mirror under a striped sky.
 
@@ -74,6 +76,8 @@ def draw_zebra(
         Number of stripes in half of the sky.
     frame
         Visible part of the projection. Default: everything.
+    key
+        Unit, north and words of the key below a new figure, see :func:`key_of`.
 
     Returns
     -------
@@ -101,7 +105,7 @@ def draw_zebra(
     points, normals, sky = _cut_at_stripes(points, normals, _sky(normals, view, stripes))
     corners = np.arange(3 * len(points)).reshape(-1, 3)
     seen = look(points.reshape(-1, 3), corners, np.zeros(3 * len(points), int), view)
-    ax = axes_for(ax, frame or whole.frame)
+    ax = axes_for(ax, whole, frame, view, key)
     middle = unit_vectors(normals.mean(axis=1))
     grey = np.where(sky.mean(axis=1) > 0.0, 1.0, DARK) * brightness(middle, view, ambient=0.7)
     fill = np.column_stack([grey, grey, grey, np.ones(len(grey))])

@@ -45,12 +45,15 @@ def panels_figure(found: Rationalised) -> Figure:
     """
     from .._figures import matplotlib_module
     from .._figures import new_figure
+    from ..fabrication.picture_key import key_of
     from ..plot.colours import PALETTE
     from ..plot.colours import diverging_map
     from ..plot.colours import limit_above
+    from ..plot.legend import add_key
 
     V, F = found.result.vertices, found.result.problem.faces
-    plane = V @ _axes(V, F).T
+    axes_of_view = _axes(V, F)
+    plane = V @ axes_of_view.T
     a, b, c = (plane[F[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)
     outwards = np.sign(np.einsum("fx,fx->", cross, (a + b + c) / 3.0 - plane.mean(axis=0))) if _is_around(cross) else 1.0
@@ -68,7 +71,8 @@ def panels_figure(found: Rationalised) -> Figure:
     count = len(found.curvatures)
     shades = colours.ListedColormap([PALETTE[k % len(PALETTE)] for k in range(count)])
     limit = limit_above(found.distance.signed)
-    unit = (found.design.drawing.units or "L").replace("Meters", "m").replace("Millimeters", "mm").replace("Centimeters", "cm")
+    key = key_of(found.result)._replace(words=(), north=found.design.drawing.north)
+    unit = key.unit or "L"
     for k in range(2):
         axes = figure.add_subplot(1, 2, k + 1)
         axes.set_aspect("equal")
@@ -88,7 +92,8 @@ def panels_figure(found: Rationalised) -> Figure:
         # Snapped to pixels, single segments of a smooth seam would jump.
         drawn_lines.set_snap(False)
         axes.add_collection(drawn_lines)
-    figure.tight_layout()
+    figure.tight_layout(rect=(0.0, 0.4 / figure.get_size_inches()[1], 1.0, 1.0))
+    add_key(figure.axes[0], key, axes_of_view)
     return figure
 
 

@@ -13,9 +13,12 @@ import numpy as np
 from .._figures import matplotlib_module
 from .._figures import new_figure
 from ..errors import names_what_was_meant
+from ..fabrication.picture_key import key_of
+from ..plot.legend import add_key
 from ..plot.view import Frame
 from ..plot.view import frame_of
 from ..plot.view import project
+from ..plot.view import view_axes
 from .results import Results
 from .results import refuse_no_results
 from .thumbnails import VIEW
@@ -32,6 +35,7 @@ MAX_PICTURES = 2000  # on one sheet
 MAX_PIXELS = 320  # width of a picture [pixel]
 MIN_COLUMNS = 4
 HEAD = 0.7  # height of the head of the sheet [in]
+SIZE = 10.0  # font size of the key [pt]
 LETTERS = 3  # number of text lines below a picture
 COLOURS = {"fair": (0.62, 0.76, 0.80), "rough": (0.93, 0.66, 0.47), "unfinished": (0.78, 0.78, 0.78)}
 
@@ -90,6 +94,10 @@ def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, sh
     axes.set_xlim(0.0, WIDTH)
     axes.set_ylim(height, 0.0)
     _head(axes, results, chosen)
+    key = key_of(results.drawing)
+    varied = any(own.kind == "K" for own in results.plan.study.parameters)
+    down = 72.0 * (0.5 * HEAD - height)
+    add_key(axes, key._replace(words=() if varied else key.words), view_axes(VIEW), down, 72.0 * cell / frame.width, SIZE, 0.4)
     return figure
 
 

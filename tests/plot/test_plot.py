@@ -20,7 +20,6 @@ from compas_cgc.model.roles import DUMMY
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.plot.colours import limit_above
-from compas_cgc.plot.layout import round_below
 from compas_cgc.plot.studio_light import _tones
 from compas_cgc.plot.view import project
 from compas_cgc.solvers.flow import curve_flow
@@ -389,11 +388,6 @@ class TestWhatIsRefused:
 
     def test_an_empty_mesh_is_an_empty_picture(self):
         assert pixels(plot.draw_shape(CORNERS, np.zeros((0, 3), int), np.zeros(4)).figure).min() == 255
-
-
-@pytest.mark.parametrize("length, bar", [(1.0, 1.0), (0.99, 0.5), (4.99, 2.0), (5000.0, 5000.0), (0.0234, 0.02)])
-def test_a_scale_bar_is_1_2_or_5(length, bar):
-    assert round_below(length) == pytest.approx(bar)
 
 
 def greys(ax):

@@ -20,6 +20,8 @@ from ..drawing import Line
 from ..figures import metres
 from ..figures import unit_symbol
 from ..option_values import PAPERS
+from ..picture_key import curvature_text
+from ..picture_key import scale_bar
 from .level_lines import level_lines
 from .marks import TEXT_HEIGHT
 from .marks import Label
@@ -40,6 +42,7 @@ SHEETS: dict[str, tuple[float, float]] = dict(
 )  # [mm]
 DEFAULT_SHEET = "A3"
 SCALES = (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 1000, 2000, 2500, 5000, 10_000, 20_000, 50_000, 100_000)  # denominators
+BAR_ROOM = 36.0  # for the scale bar and its length in the title block [mm]
 MARGIN = 10.0  # of the frame [mm]
 STRIP = 16.0  # height of the title block [mm]
 CONTOURS = 10  # approximate number of contour lines
@@ -110,7 +113,7 @@ def draw_views(
     sheet: Optional[str] = None,
     contours: Optional[float] = None,
     sections: Optional[Sequence[ArrayLike]] = None,
-    north: ArrayLike = (0.0, 1.0),
+    north: Optional[ArrayLike] = None,
     title: Optional[str] = None,
 ) -> ViewSheet:
     """Draw the plan, sections and elevations of a surface to scale on one sheet.
@@ -132,7 +135,7 @@ def draw_views(
         Lines in plan ``(x, y, x, y)`` [L], each extended across the surface; the viewer looks to the left of its direction.
         Default: two lines through the middle, along x and y.
     north
-        Direction of north in plan.
+        Direction of north in plan. Default: that of the drawing, or y.
     title
         Title of the drawing. Default: the name of the surface.
 
@@ -159,7 +162,9 @@ def draw_views(
     sheet = None if sheet is None else values.text(sheet, "sheet")
     title = problem.drawing.name if title is None else values.text(title, "title")
     interval = _interval(shape, None if contours is None else values.number(contours, "contours"))
-    upwards = _direction(np.array(values.plan_vector(_plain(north), "north")), "the direction of north")
+    upwards = _direction(
+        np.array(problem.drawing.north if north is None else values.plan_vector(_plain(north), "north")), "the direction of north"
+    )
     cuts = _cuts(shape, None if sections is None else values.plan_lines(_plain(sections), "sections"))
     units = problem.drawing.units or "Meters"
     unit_mm = 1000.0 * metres(units)
@@ -310,19 +315,18 @@ def _title_block(
     corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
     unit = unit_symbol(units)
     known = "" if problem.drawing.units else " (assumed)"
-    targets = sorted({K for K in problem.region_targets() if K is not None})
-    K = "-" if not targets else f"{targets[0]:.3g}" if len(targets) == 1 else f"{targets[0]:.3g} to {targets[-1]:.3g}"
     cells = [
         ("", ""),
         ("Title", title),
         ("Scale", f"1:{scale} ({sheet})"),
         ("Lengths and heights", f"{unit}{known}"),
         ("Contour lines", f"every {interval:g} {unit}"),
-        ("Gaussian curvature", f"{K} 1/{unit}²" if targets else "-"),
+        ("Gaussian curvature", curvature_text(problem) or "-"),
     ]
     needed = np.array([max(letters(head, 0.8 * TEXT_HEIGHT), letters(text, 1.2 * TEXT_HEIGHT)) + 4.0 for head, text in cells])
     width = high[0] - low[0]
     needed[1] = min(needed[1], 0.25 * width)
+    needed[2] += BAR_ROOM
     needed[0] = max(width - needed[1:].sum(), 0.25 * width)
     edges = low[0] + np.concatenate([[0.0], np.cumsum(needed)]) * min(1.0, width / needed.sum())
     top = low[1] + STRIP
@@ -331,8 +335,13 @@ def _title_block(
     labels = []
     for (head, text), left, right in zip(cells, edges, edges[1:]):
         height = min(1.2 * TEXT_HEIGHT, 1.2 * TEXT_HEIGHT * (right - left - 3.0) / max(letters(text, 1.2 * TEXT_HEIGHT), 1e-9))
-        middle = 0.5 * (left + right)
+        middle = 0.5 * (left + right - (BAR_ROOM if head == "Scale" else 0.0))
         labels.append(Label("TEXT", head, np.array([middle, top - 4.0]), 0.8 * TEXT_HEIGHT))
         labels.append(Label("TEXT", text, np.array([middle, low[1] + 5.0]), height))
+    small = 0.8 * TEXT_HEIGHT
+    bar = scale_bar(unit, 0.5 * BAR_ROOM * scale / (1000.0 * metres(units)), 1000.0 * metres(units) / scale, small)
+    bar = bar.moved(np.array([edges[3] - BAR_ROOM, low[1] + 5.0]))
+    lines += [Line("FRAME", line) for line in bar.lines]
+    labels += [Label("TEXT", text, place + [0.5 * letters(text, small), 0.0], small) for text, place in bar.texts]
     cell = legend(shape, unit, (edges[1] - edges[0] - 3.0, STRIP - 1.0))
     return lines, [*labels[2:], *(own._replace(place=own.place + [low[0] + 1.5, low[1] + 0.5]) for own in cell)]

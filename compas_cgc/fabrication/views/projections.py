@@ -19,6 +19,8 @@ from ...model.problem import CGCProblem
 from ..drawing import Line
 from ..drawing import segment_distances
 from ..figures import metres
+from ..picture_key import ARROW
+from ..picture_key import north_arrow
 from .level_lines import level_lines
 from .marks import GAP
 from .marks import TEXT_HEIGHT
@@ -226,9 +228,9 @@ def plan(shape: Shape, scale: float, interval: float, cuts: Sequence[Cut], north
             drawn, texts = chain(scale * places, [shape.number(own) for own in np.diff(places).tolist()], start, along, CHAIN_AT)
             lines += drawn
             labels += texts
-    way = north / np.linalg.norm(north)
-    lines += arrow(middle - 0.5 * NORTH_LENGTH * way, middle + 0.5 * NORTH_LENGTH * way, "FRAME")
-    labels.append(Label("TEXT", "N", middle + (0.5 * NORTH_LENGTH + 2.2) * way))
+    marks = north_arrow(np.append(north / np.linalg.norm(north), 0.0), NORTH_LENGTH / ARROW).moved(middle)
+    lines += [Line("FRAME", line) for line in marks.lines]
+    labels += [Label("TEXT", text, place + [0.5 * letters(text, NORTH_LENGTH / ARROW), 0.0]) for text, place in marks.texts]
     return _named("Plan", lines, labels, size + padding.sum(axis=0))
 
 

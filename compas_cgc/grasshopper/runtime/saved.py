@@ -97,6 +97,7 @@ def _arrays(problem: CGCProblem, prefix: str = "") -> dict[str, Any]:
 def _problem(arrays: Mapping[str, Any], prefix: str = "") -> CGCProblem:
     data = json.loads(str(arrays[f"{prefix}data"]))
     places = tuple((name, points) for name, points in data["drawing"].pop("places"))
+    north = tuple(data["drawing"].pop("north", Drawing().north))
     origin = None
     if data["measure"] is not None:
         origin = Origin(_problem(arrays, f"{prefix}drawn."), arrays[f"{prefix}found"], data["measure"])
@@ -105,7 +106,7 @@ def _problem(arrays: Mapping[str, Any], prefix: str = "") -> CGCProblem:
         goals=tuple(data["goals"]),
         laws={int(region): law for region, law in data["laws"].items()},
         names=Names(arrays[f"{prefix}vertex_names"], arrays[f"{prefix}face_names"]),
-        drawing=Drawing(**data["drawing"], places=places),
+        drawing=Drawing(**data["drawing"], places=places, north=north),
         origin=origin,
     )
 

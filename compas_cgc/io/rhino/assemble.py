@@ -51,6 +51,7 @@ def assemble(
     crease: str = "trace",
     notes: Sequence[str] = (),
     goals: Optional[AtTolerance] = None,
+    north: tuple[float, float] = Drawing().north,
 ) -> ReadProblem:
     """Snap drawn objects to the vertices and edges of the mesh.
 
@@ -74,6 +75,8 @@ def assemble(
         Notes so far.
     goals
         Function that returns drawn goals, like `constraints`.
+    north
+        Direction in plan.
 
     Raises
     ------
@@ -103,7 +106,7 @@ def assemble(
         creases=edges,
         goals=held,
         laws=laws,
-        drawing=Drawing(name, units, tolerance, asked.places),
+        drawing=Drawing(name, units, tolerance, asked.places, north),
     )
     found = f"{len(held)} constraint{'s' if len(held) > 1 else ''} besides K, which the method 'projection' holds"
     return ReadProblem(

@@ -30,6 +30,7 @@ from .sketch import Drawn
 from .surfaces import MeshedSurface
 from .surfaces import default_edge_length
 from .surfaces import surface_part
+from .units import north_of
 from .units import unit_name
 from .user_text import user_law
 from .user_text import user_number
@@ -116,6 +117,7 @@ def read_3dm(
             solved={int(user_number(item.text, "region") or 0): user_law(item.text) for item in found.regions},
             crease=crease,
             notes=found.notes + [note for made in converted for note in made.notes],
+            north=north_of(archive),
         )
     except FileError as error:
         raise FileError(f"{path}: {error}") from None

@@ -1,12 +1,16 @@
-"""Names of unit systems."""
+"""Names of unit systems, and the north of a model."""
 
 from __future__ import annotations
 
+import math
+
 from ...errors import FileError
+from ...model.problem import Drawing
+from ._types import Archive
 from ._types import UnitSystem
 from .archive import rhino3dm_module
 
-__all__ = ["unit_name", "unit_system"]
+__all__ = ["north_of", "set_north", "unit_name", "unit_system"]
 
 
 def unit_name(system: UnitSystem) -> str:
@@ -28,3 +32,17 @@ def unit_system(name: str) -> UnitSystem:
     if not isinstance(system, rhino3dm.UnitSystem):
         raise FileError(f"unknown unit {name!r}; use a unit of Rhino such as Millimeters, Meters or Feet")
     return system
+
+
+def north_of(archive: Archive) -> tuple[float, float]:
+    """Return the direction of north in plan, as set by the earth anchor point of a file; y where it has none."""
+    north = archive.Settings.EarthAnchorPoint.ModelNorth
+    length = math.hypot(north.X, north.Y)
+    return (north.X / length, north.Y / length) if math.isfinite(length) and length > 0.0 else Drawing().north
+
+
+def set_north(archive: Archive, north: tuple[float, float]) -> None:
+    """Set the direction of north in plan."""
+    anchor = archive.Settings.EarthAnchorPoint
+    anchor.ModelNorth = rhino3dm_module().Vector3d(*north, 0.0)
+    archive.Settings.EarthAnchorPoint = anchor

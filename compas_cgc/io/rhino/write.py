@@ -38,6 +38,7 @@ from .sketch import Drawn
 from .snapping import as_drawn
 from .snapping import find_constraints
 from .snapping import snap_distance
+from .units import set_north
 from .units import unit_system
 from .user_text import constraint_text
 from .user_text import vertex_text
@@ -177,6 +178,7 @@ def new_archive(problem: CGCProblem) -> Archive:
     archive.ApplicationDetails = f"compas_cgc {__version__}"
     archive.Settings.ModelUnitSystem = unit_system(problem.drawing.units or "Meters")
     archive.Settings.ModelAbsoluteTolerance = problem.drawing.tolerance or _tolerance(problem.vertices)
+    set_north(archive, problem.drawing.north)
     return archive
 
 

@@ -104,7 +104,7 @@ def _problem_of(arrays: Mapping[str, np.ndarray], words: Mapping[str, Any]) -> C
         goals=words.get("goals", ()),
         laws={int(region): as_law(law) for region, law in words.get("laws", {}).items()},
         names=Names(arrays["keys"], arrays["face_keys"]),
-        drawing=Drawing(words["name"], words.get("units"), words.get("tolerance")),
+        drawing=Drawing(words["name"], words.get("units"), words.get("tolerance"), north=tuple(words.get("north", Drawing().north))),
     )
 
 
