@@ -20,10 +20,12 @@ from .drawing import overlap
 from .drawing import roomiest
 from .drawing import text_box
 from .figures import in_mm
-from .leaders import LED
+from .leaders import LED_SIZES
 from .leaders import READABLE
+from .leaders import around
 from .leaders import led_aside
 from .leaders import sides_of
+from .leaders import towards
 from .legend import key_of_plan
 from .legend import with_legend
 from .patterns import Patterns
@@ -38,7 +40,7 @@ SEAM_TEXT = 0.15  # height of the number of a seam, relative to its length in pl
 MEANINGS = {
     "OUTLINE": "edges of the pieces",
     "LABEL": "name of the piece (A1 in region 0, B1 in region 1 and so on, or as the panel of the moulds), and in brackets its course: 1 "
-    "for pieces on supports, 2 for their neighbours, and so on",
+    "for pieces on supports, 2 for their neighbours, and so on; with a line to narrow pieces",
     "SEAM": "number of the seam, as on the sheets, beside it, or with a line to a short seam",
 }
 
@@ -137,9 +139,22 @@ def draw_plan(patterns: Patterns) -> Drawing:
         place, room = roomiest(free if len(free) else plan[own.faces[own.piece == number]].mean(axis=1), loops)
         name = f"{piece.label} ({course})"
         texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER_WIDTH * len(name))))))
-    boxes, middles = [text_box(own.text, own.place, own.height) for own in texts], [own.place for own in texts]
+    middles = [own.place for own in texts]
     sides = sides_of([line.points for line in lines])
     usual = 0.4 * height
+    boxes = [text_box(own.text, own.place, own.height) for own in texts if own.height >= READABLE * height]
+    for k, label in enumerate(texts):
+        if label.height < READABLE * height:
+            leader, texts[k] = led_aside(
+                label,
+                label.place,
+                around(label.place, label.text, READABLE * height, np.array(size)),
+                height * LED_SIZES[-1:],
+                sides,
+                boxes,
+            )
+            boxes.append(text_box(label.text, texts[k].place, texts[k].height))
+            lines += leader
     lengths = [float(arc_lengths(plan[seam.nodes])[-1]) for seam in patterns.seams]
     # Numbers of short seams are led to what room the others leave.
     for length, seam in sorted(zip(lengths, patterns.seams), key=lambda each: SEAM_TEXT * each[0] < READABLE * usual):
@@ -149,7 +164,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
         label = Text("SEAM", text, place, small)
         if small < READABLE * usual:
             foot = point_at(plan[seam.nodes], np.array([0.5 * length]))[0]
-            leader, label = led_aside(label, foot, middles[seam.pieces[0]], LED * usual, sides, boxes)
+            leader, label = led_aside(label, foot, towards(foot, middles[seam.pieces[0]]), usual * LED_SIZES, sides, boxes)
         lines += leader
         texts.append(label)
         boxes.append(text_box(text, label.place, label.height))

@@ -80,14 +80,14 @@ def _smoothly_moved(problem: CGCProblem, wanted: Mask) -> Optional[CGCProblem]:
     """Return the nearest surface on which triangles close around the vertices wanted (n,), None if that is far or not reached."""
     used = np.bincount(problem.faces.ravel(), minlength=len(problem.vertices)) > 0
     inner = wanted & used & ~boundary_vertices(problem.vertices, problem.faces)
-    rows, columns = np.flatnonzero(inner), np.flatnonzero(problem.movable)
+    rows, columns = np.flatnonzero(inner), np.flatnonzero(problem.movable & used)
     equations = SpaceFormEquations(problem.faces, np.where(inner, problem.targets, 0.0), rows, columns)
     if not len(rows) or equations.too_large(problem.vertices) is not None:
         return None
     here, rest = problem.vertices, equations.residual(problem.vertices)
     size = float(np.linalg.norm(np.ptp(here, axis=0)))
     L, area = cotangent_laplacian(here, problem.faces), vertex_areas(here, problem.faces)
-    second = L.T @ sparse.diags(1.0 / area) @ L + sparse.diags(area / (SMOOTH * size) ** 4)
+    second = L.T @ sparse.diags(1.0 / np.where(used, area, 1.0)) @ L + sparse.diags(area / (SMOOTH * size) ** 4)
     metric = sparse.kron(second[columns][:, columns], np.eye(3))
     for _ in range(STEPS):
         if float(np.linalg.norm(rest)) <= CLOSING_TOLERANCE:

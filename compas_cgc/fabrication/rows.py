@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import NamedTuple
@@ -83,7 +84,14 @@ class _Tried(NamedTuple):
         return self.sheets, self.rows.offset is not None or self.rows.fill != 0.5, len(self.cells.sizes)
 
 
-def in_rows(own: Patchwork, sheet: tuple[float, float], spacing: float, shortest: float, along: Optional[FloatArray] = None) -> Patchwork:
+def in_rows(
+    own: Patchwork,
+    sheet: tuple[float, float],
+    spacing: float,
+    shortest: float,
+    along: Optional[FloatArray] = None,
+    turned: Optional[Mapping[int, tuple[int, FloatArray]]] = None,
+) -> Patchwork:
     """Return the patchwork with every piece that is larger than a sheet cut into rows.
 
     Rows in several directions and positions are compared on the outline of the piece. The chosen ones have the fewest seams and parts
@@ -102,6 +110,8 @@ def in_rows(own: Patchwork, sheet: tuple[float, float], spacing: float, shortest
         Length of a short seam [L].
     along
         (p, 2) direction of the rows of every piece. Default: the best of several.
+    turned
+        Pieces that have the rows of an earlier piece, and the rotations ``(2, 2)`` that take its place in the plane to theirs.
 
     Raises
     ------
@@ -114,12 +124,17 @@ def in_rows(own: Patchwork, sheet: tuple[float, float], spacing: float, shortest
         return own
     refuse_many(own, sheet)
     room = sheet[0] * (1.0 - SLACK), sheet[1] * (1.0 - SLACK)
-    pieces = outline_loops(own)
+    pieces, found = outline_loops(own), dict[int, _Rows]()
     for piece, loops in enumerate(pieces):
         box = best_box(loops[0].points, sheet, None if along is None else along[piece])
         outline = shapely.Polygon(loops[0].points, [loop.points for loop in loops[1:]])
         if box.parts > 1 and outline.is_valid:
-            own = _cut(own, piece, _best(outline, box, room, spacing, shortest, along is not None), room)
+            before, turn = (turned or {}).get(piece, (piece, np.eye(2)))
+            if before in found:
+                found[piece] = found[before]._replace(along=turn @ found[before].along)
+            else:
+                found[piece] = _best(outline, box, room, spacing, shortest, along is not None)
+            own = _cut(own, piece, found[piece], room)
     return connected_pieces(own)
 
 

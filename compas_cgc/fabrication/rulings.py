@@ -43,7 +43,9 @@ class Straightness(NamedTuple):
 def rulings_of(
     problem: CGCProblem, patchwork: Patchwork, regions: list[int], spacing: Optional[float], widest: float
 ) -> tuple[list[Ruling], dict[int, Straightness]]:
-    """Return the rulings of unrolled regions, and their straightness by region; a flat region has none.
+    """Return the rulings of unrolled regions, and their straightness by region.
+
+    A flat region has neither, and one whose rulings are mostly not straight has no rulings.
 
     The default spacing is that of a net, but at most `widest` [L].
     """
@@ -59,6 +61,8 @@ def rulings_of(
             continue  # Flat, or too coarse for curvatures.
         off = np.array([curve.straightness for curve in net.curves])
         straightness[region] = Straightness(float(np.median(off)), float(off.max()))
+        if straightness[region].median > MAX_BOW:
+            continue  # It is folded instead of rolled.
         operators = shape_operators(problem.vertices, problem.faces[problem.regions() == region]).operators
         rulings += _on_pieces(patchwork, net, np.trace(operators, axis1=1, axis2=2))
     return rulings, straightness

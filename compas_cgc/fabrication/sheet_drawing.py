@@ -26,11 +26,15 @@ from .drawing import roomiest
 from .drawing import text_box
 from .figures import in_mm
 from .figures import metres
-from .leaders import LED
+from .figures import unit_symbol
+from .leaders import LED_SIZES
 from .leaders import READABLE
 from .leaders import crosses
+from .leaders import is_free
 from .leaders import led_aside
 from .leaders import sides_of
+from .leaders import towards
+from .legend import key_of_plan
 from .legend import outside_is_above
 from .legend import outside_note
 from .legend import with_legend
@@ -39,6 +43,8 @@ from .outlines import Seam
 from .patchwork import EDGE
 from .patterns import Patterns
 from .patterns import refuse_others
+from .picture_key import Key
+from .picture_key import key_of
 from .piece_checks import at_sheet_edge
 from .piece_checks import contours
 from .piece_checks import remarks
@@ -57,7 +63,8 @@ MEANINGS = {
     "line; away: the piece beside the line bends away from the viewer, towards: to the viewer",
     "MARK": "tick to engrave; it lies against the tick of the same seam on the neighbouring piece",
     "LABEL": "name of the piece, to engrave",
-    "SEAM": "number of the seam / name of the piece beyond it, with a line to short seams; sides without one are edges of the roof",
+    "SEAM": "number of the seam / name of the piece beyond it, to engrave, with a line where there is no room beside the seam; sides "
+    "without one are edges of the roof",
     "NODE": "number of the node, as in the table of edges; not engraved",
     "SHEET": "edge of the sheet and its title; not cut",
 }
@@ -154,24 +161,32 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             lines.append(Line("RULING", ruling.points + origin))
             texts += _radius(patterns, ruling, height, origin, taken[ruling.piece])
     numbers = list[tuple[int, Seam, int, Text]]()
+    segments = [sides_of([loop.points for loop in piece.loops]) for piece in patterns.pieces]
     for seam in patterns.seams:
         for side, number in enumerate(seam.pieces):
             if patterns.pieces[number].sheet not in origins:
                 continue
             mate = patterns.pieces[seam.pieces[1 - side]].label
             marks, text = _seam_marks(seam, side, mate, mark, height)
+            segments[number] = np.concatenate([segments[number], marks])
             lines += [Line("MARK", points + origins[patterns.pieces[number].sheet]) for points in marks]
             numbers.append((number, seam, side, text))
-            if text.height >= READABLE * height:
-                taken[number].append(text_box(text.text, text.place, text.height))
-    for number, seam, side, text in numbers:
-        piece, leader = patterns.pieces[number], list[Line]()
-        if text.height < READABLE * height:
+    # Long seams keep their usual places, and short ones take what room is left.
+    for number, seam, side, text in sorted(numbers, key=lambda each: -each[1].length):
+        piece, leader, sides = patterns.pieces[number], list[Line](), segments[number]
+        if text.height < READABLE * height or not is_free(text_box(text.text, text.place, text.height), sides, taken[number]):
             foot, middle = point_at(seam.sides[side], 0.5 * arc_lengths(seam.sides[side])[-1:])[0], labels[number].mean(axis=0)
-            leader, text = led_aside(text, foot, middle, LED * height, sides_of([loop.points for loop in piece.loops]), taken[number])
+            grid = inside([loop.points for loop in piece.loops])
+            near = grid[np.argsort(np.linalg.norm(grid - foot, axis=1), kind="stable")]
+            leader, text = led_aside(text, foot, [*towards(foot, middle), *near], height * LED_SIZES, sides, taken[number])
+        taken[number].append(text_box(text.text, text.place, text.height))
         lines += [own._replace(points=own.points + origins[piece.sheet]) for own in leader]
         texts.append(text._replace(place=text.place + origins[piece.sheet]))
     size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
+    words = (*key_of(patterns.problem).words, "north, and where the pieces lie: in the plan of the pieces")
+    key = Key(unit_symbol(patterns.problem.drawing.units), None, words)
+    drawn_key = key_of_plan(key, np.array([0.0, size[1] + 6.0 * height]), length, 1.5 * height)
+    lines, texts = [*lines, *drawn_key[0]], [*texts, *drawn_key[1]]
     drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
     return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
 
@@ -201,11 +216,17 @@ def _notes(patterns: Patterns) -> list[str]:
         f"material: {stuff}" if stuff else "material and thickness are not given",
         "drawn 1:1; lengths in texts are in mm; pieces are seen from outside, with the size of the surface at the middle of the thickness",
         outside_note(outside_is_above(face_normals(patterns.problem.vertices, patterns.problem.faces))),
+        "engraving lies on the outside; mirror the sheets to engrave the inside",
         "pieces meet edge to edge: no gap is taken off at seams, and no holes, fixings or tolerances are included",
     ]
     if patterns.stock.grain is not None:
         notes.append("the grain runs along the length of the sheets")
-    if not folded(patterns).any():
+    if folded(patterns).any():
+        notes.append(
+            f"folds are edges of the triangles of the model; they end where the angle is less than {np.degrees(MIN_FOLD):g} degree; the "
+            "table of edges holds the angles"
+        )
+    else:
         notes.append("there are no folds: pieces are rolled or pressed")
     if patterns.rulings:
         off = [own for own in patterns.straightness.values() if own.median <= MAX_BOW]

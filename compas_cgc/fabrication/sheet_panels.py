@@ -17,6 +17,9 @@ from .panelling import grid_panels
 from .patchwork import Patchwork
 from .pieces import best_box
 from .pieces import contacts
+from .quarter_turn import is_fourfold
+from .quarter_turn import middles_of
+from .quarter_turn import turns_onto_itself
 from .regions_in_plane import developed_panels
 from .stock import Stock
 
@@ -36,7 +39,8 @@ def sheet_panels(
 ) -> Optional[list[Panel]]:
     """Return panels of the best grid or strips, None if the mesh is too coarse for a grid.
 
-    The best ones have the fewest short seams, and then need the fewest sheets. Strips are cut one by one, so that their joints meet those
+    The best ones have the fewest short seams, have the symmetry of a roof that a quarter turn takes to itself, and then need the fewest
+    sheets. Strips are cut one by one, so that their joints meet those
     of other strips and regions at short seams, and differ between parts of a roof that are alike; joints of a grid continue. Strips, and
     single panels, may be larger than a sheet, and are then to be cut.
 
@@ -57,7 +61,9 @@ def sheet_panels(
     cut
         Function that cuts pieces until they fit on sheets.
     """
-    best: Optional[tuple[tuple[int, int], Division]] = None
+    best: Optional[tuple[tuple[int, bool, int], Division]] = None
+    fourfold = turns_onto_itself(problem)
+    centre = 0.5 * (problem.vertices.min(axis=0) + problem.vertices.max(axis=0))[:2]
     least = 1e-3 * shortest / metres(problem.drawing.units)
 
     def compare(largest: tuple[float, float], strips: bool = False) -> Optional[int]:
@@ -74,11 +80,12 @@ def sheet_panels(
         fitting = [box[1:3] for box, count in zip(boxes, parts) if count == 1]
         nested = 1 + max(place.sheet for place in nest(fitting, stock.room, stock.spacing or 0.0)) if fitting else 0
         sheets = nested + sum(count for count in parts if count > 1)
-        key = int((contacts(flat)[1] < least).sum()), sheets
+        key = int((contacts(flat)[1] < least).sum()), fourfold and not is_fourfold(*middles_of(flat), centre), sheets
         best = (key, division) if best is None or key < best[0] else best
         return max(parts)
 
-    for sides in (stock.room, stock.room[::-1]):
+    squares = [(min(stock.room), min(stock.room))] if fourfold else []
+    for sides in (stock.room, stock.room[::-1], *squares):
         for scale in SCALES:
             most = compare((scale * sides[0], scale * sides[1]))
             if most is None or most == 1:

@@ -36,6 +36,7 @@ from .pieces import cut_to_fit
 from .placing import extent
 from .placing import grain_of
 from .placing import on_sheets
+from .quarter_turn import turned_pieces
 from .regions_in_plane import developed
 from .regions_in_plane import developed_panels
 from .rows import in_rows
@@ -195,7 +196,8 @@ def unroll(
         elif divided:
             grains = None if grain is None else np.array([along(flat, piece) for piece in range(int(flat.piece.max()) + 1)])
             inside = room[0] - 2.0 * MITRE_ROOM * stock.strip, room[1] - 2.0 * MITRE_ROOM * stock.strip
-            flat = in_rows(flat, inside, (stock.spacing or 0.0) + 2.0 * stock.strip, least, grains)
+            turned = None if grains is not None else turned_pieces(flat, problem)
+            flat = in_rows(flat, inside, (stock.spacing or 0.0) + 2.0 * stock.strip, least, grains, turned)
         own = on_sheets(cut(flat), stock, truth(shapes, "shapes"))
     except ValueError as error:
         raise CGCError(str(error)) from None

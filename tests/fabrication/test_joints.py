@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import compas_cgc
 from compas_cgc import CGCError
@@ -20,6 +23,7 @@ from compas_cgc.fabrication.assembly import draw_plan
 from compas_cgc.fabrication.drawing import text_box
 from compas_cgc.fabrication.leaders import READABLE
 from compas_cgc.fabrication.panel_seams import panel_seams
+from compas_cgc.fabrication.quarter_turn import turns_onto_itself
 from compas_cgc.fabrication.sheet_drawing import MARK_LENGTH
 from compas_cgc.fabrication.sheet_drawing import draw_sheets
 
@@ -135,6 +139,9 @@ def test_panels_lie_between_the_curves_of_a_net():
     assert np.median(middles(problem, found)[:, 0]) < 1.5**2
 
 
+QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
+
+
 @pytest.fixture(scope="module")
 def quarters():
     """A roof of 16 m on eight columns, in four quarters."""
@@ -145,21 +152,53 @@ def quarters():
     return solve(problem.with_supports(np.flatnonzero(held).tolist()).with_targets(0.008))
 
 
+def middles_about(patterns, centre):
+    """Return the middles in plan of the boxes around the pieces, from a centre."""
+    own = patterns.patchwork
+    boxes = [own.space[own.faces[own.piece == k]][..., :2].reshape(-1, 2) for k in range(len(patterns.pieces))]
+    return np.array([0.5 * (box.min(axis=0) + box.max(axis=0)) for box in boxes]) - centre
+
+
+def off_after(middles, motion):
+    """Return the largest distance of moved middles from those that are there."""
+    return np.linalg.norm(middles[:, None] - middles @ np.transpose(motion), axis=2).min(axis=1).max()
+
+
 def test_pieces_of_a_symmetric_roof_are_symmetric_without_short_seams(quarters):
     patterns = unroll(quarters, (3.0, 1.5), allowance=0.02)
     assert all(seam.length >= 0.1 for seam in patterns.seams) and "shorter than" not in str(patterns)
     assert len({sum(piece.region == region for piece in patterns.pieces) for region in range(4)}) == 1
-    own = patterns.patchwork
-    boxes = [own.space[own.faces[own.piece == k]][..., :2].reshape(-1, 2) for k in range(len(patterns.pieces))]
-    middles = np.array([0.5 * (box.min(axis=0) + box.max(axis=0)) for box in boxes]) - 8.0
+    middles = middles_about(patterns, 8.0)
     # The triangles are not symmetric, so that joints are about as far apart as the grid follows them.
-    for mirror in ([-1.0, 1.0], [1.0, -1.0]):
-        off = np.linalg.norm(middles[:, None] - mirror * middles, axis=2)
-        assert off.min(axis=1).max() < 0.1
+    for motion in (np.diag([-1.0, 1.0]), np.diag([1.0, -1.0]), QUARTER_TURN):
+        assert off_after(middles, motion) < 0.1
+
+
+def test_strips_of_a_cloister_vault_turn_with_it():
+    outline, diagonals = [[0, 0], [12, 0], [12, 12], [0, 12]], [[[0, 0, 0], [12, 12, 0]], [[0, 12, 0], [12, 0, 0]]]
+    problem = CGCMesh.from_outline(outline, 1.0, creases=diagonals).to_problem()
+    V = problem.vertices.copy()
+    corners, middles = (cKDTree(V[:, :2]).query(at)[1] for at in (outline, [[6, 0], [12, 6], [6, 12], [0, 6]]))
+    V[middles, 2] = 2.0
+    vault = solve(replace(problem, vertices=V).with_supports([*corners.tolist(), *middles.tolist()]).with_targets(0.0))
+    patterns = unroll(vault, (3.0, 1.5))
+    assert all(seam.length >= 0.1 for seam in patterns.seams)
+    assert len({sum(piece.region == region for piece in patterns.pieces) for region in range(4)}) == 1
+    assert off_after(middles_about(patterns, 6.0), QUARTER_TURN) < 0.1
+
+
+@pytest.mark.parametrize(
+    "change, expected",
+    [(lambda V: V, True), (lambda V: V * [1.0, 1.1, 1.0], False), (lambda V: V + [[0, 0, 0.3]] * (V[:, :1] > 12.0), False)],
+)
+def test_roofs_with_a_quarter_turn_are_found(quarters, change, expected):
+    problem = quarters.problem
+    assert turns_onto_itself(replace(problem, vertices=change(problem.vertices))) == expected
 
 
 def test_numbers_of_short_seams_are_led_aside(quarters):
-    patterns = unroll(quarters, (3.0, 1.5), allowance=0.02, shortest=0.0)
+    longer = replace(quarters.problem, vertices=quarters.problem.vertices * [1.0, 1.1, 1.0])
+    patterns = unroll(longer, (3.0, 1.5), allowance=0.02, shortest=0.0, rough=True)
     tiny = [seam for seam in patterns.seams if seam.length < 0.01]
     assert tiny
     drawing, plan = draw_sheets(patterns), draw_plan(patterns)
