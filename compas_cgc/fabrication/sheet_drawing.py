@@ -106,7 +106,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
     >>> from compas_cgc.fabrication import unroll
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> sorted({line.layer for line in draw_sheets(patterns).lines})
-    ['CUT', 'MARK', 'RULING', 'SHEET']
+    ['CUT', 'LEGEND', 'MARK', 'RULING', 'SEAM', 'SHEET']
     """
     refuse_others(patterns, "sheets are drawn", "draw_sheets")
     if sheet is not None and sheet not in range(patterns.sheets):
