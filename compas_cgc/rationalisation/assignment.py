@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from collections.abc import Iterator
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -14,8 +15,11 @@ from scipy.sparse.linalg import lsqr
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from .clusters import clusterings
 from .clusters import nearest_values
+from .clusters import signed_root
+from .linear_search import POWER
 from .linear_search import Assignment
 from .linear_search import best_values
 from .linear_search import distance_norm
@@ -28,18 +32,17 @@ __all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
 
 STEPS, LINEARISATIONS = 3, 8  # of Newton's method after K has changed: steps with the same factors, and how often
 CLOSE = 0.05  # deviation of K times the area, below which a surface has its K
-RELAXATIONS = 2  # at most, towards the surface of least energy
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
-STARTS = 3  # clusterings that are improved
+SOLVED, STARTS = 12, 4  # clusterings that are solved, and the nearest of them that are improved
 SAME = 0.01  # part of the panels, by which two clusterings differ that lead to the same surface
 ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
-EVENING, LEAST_GAIN = 10, 0.01  # rounds of weights at most, and the part of the norm below which a round is the last
-EVENING_POWERS, LEAST = (4, 8), 1e-3  # of distances as weights, and the weight of no distance against that of the largest
+EVENING, LEAST_GAIN = 10, 0.005  # rounds of weights at most, and the part of the norm below which a round is the last
+LAST_POWERS = (16, 32, 64, 128)  # of the norms that are reduced in the end, towards the largest distance
+LEAST = 1e-3  # weight of no distance against that of the largest
 SHORTEST_EVENING = 1.0 / 32.0  # part of a step of a round, below which it ends
-SHORTEST = 0.125  # part of the changes of the K of the moulds, below which a search ends
 ENOUGH = 0.97  # of the norm of the best surface, below which a round has to promise to come
 
 Watch = Callable[[int, int, float], bool]  # rounds done, rounds at most, largest distance [L]; true cancels
@@ -71,8 +74,8 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
     """Return the best assignment found of panels to moulds, with its surface.
 
     From the best of several clusterings, rounds of: linearise the surface in the K of every panel, move a few panels to other moulds
-    and fit the K of the moulds on that model, solve the surface, and accept it if its true distance is less; else move fewer panels.
-    A start is given up when its model no longer promises to beat the best surface so far; the best one goes on while it gains.
+    and fit the K of the moulds on that model, solve the surface, even it, and accept it if its true distance is less; else move fewer
+    panels. A start is given up when its model no longer promises to beat the best surface so far; the best one goes on while it gains.
     """
     design = moves.mean_curvatures(np.zeros(len(moves.columns)))
     starts = sorted(_starts(moves, moulds, design), key=lambda placed: placed.norm)
@@ -85,7 +88,8 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
             racer.advance(moves)
             best = racer.here if racer.here.norm < best.norm else best
             done += 1
-        racers = [racer for racer in racers if racer.open and (racer.promise < ENOUGH * best.norm or (racer.gains and racer.here is best))]
+        racers = [racer for racer in racers if racer.trust and (racer.promise < ENOUGH * best.norm or (racer.gains and racer.here is best))]
+    best = evened(moves, best, LAST_POWERS)
     if watch is not None:
         watch(total, total, best.distance)
     return best
@@ -97,32 +101,26 @@ class _Racer:
     def __init__(self, start: Placed, trust: int):
         self.here = start
         self.trust = trust  # panels that may change their mould in the next round
-        self.length = 1.0  # part of the changes of the K of the moulds that is taken in the next round
         self.promise = start.norm  # by the linear model of the last round [L]
         self.gains = True  # whether the last round was worth it
 
-    @property
-    def open(self) -> bool:
-        """Whether the next round may change anything."""
-        return self.trust > 0 or self.length >= SHORTEST
-
     def advance(self, moves: NormalMoves) -> None:
         """Move some panels to other moulds if the solved surface is nearer to the design; else allow less next time."""
-        there, changed, self.promise = _improved(moves, self.here, self.trust, self.length)
+        there, changed, self.promise = _improved(moves, self.here, self.trust)
         self.gains = there.norm < ENOUGH * self.here.norm
         if there.norm < self.here.norm:
-            self.here, self.length = there, min(1.0, 2.0 * self.length)
+            self.here = there
         else:
-            self.trust, self.length = changed // 3, 0.5 * self.length
+            self.trust = changed // 3
 
 
-def _improved(moves: NormalMoves, here: Placed, trust: int, length: float) -> tuple[Placed, int, float]:
+def _improved(moves: NormalMoves, here: Placed, trust: int) -> tuple[Placed, int, float]:
     """Return the surface after at most so many panels have moved to other moulds, how many have, and the norm the model predicts.
 
-    The K of the moulds take a part of their changes in the model, of a given length. Panels that promise little stay, together with all
-    others of their mould, so that few columns of sensitivities are needed.
+    Panels that promise little stay, together with all others of their mould, so that few columns of sensitivities are needed.
     """
-    sensitivities = moves.sensitivities(here.moves, here.assigned.K)
+    stressing = _stressing(moves, here.moves, POWER)
+    sensitivities = stressing.sensitivities(here.moves, here.assigned.K)
     own = here.assigned
     panels = promising_panels(sensitivities, moves, own, ACTIVE)
     staying = np.ones(moves.panels, bool)
@@ -132,12 +130,14 @@ def _improved(moves: NormalMoves, here: Placed, trust: int, length: float) -> tu
     groups[panels], groups[staying] = np.arange(len(panels)), len(panels) + group
     classes = np.concatenate([own.classes[panels], moulds])
     locked = np.concatenate([own.locked[panels], np.ones(len(moulds), bool)])
-    linear = sensitivities.linear(groups)
+    linear = sensitivities.linear(groups).through(here.moves, own.values[classes])
     found = search(linear.of(moves.criteria), moves.criteria_mass, Assignment(own.values, classes, own.kept, locked), trust)
-    found = replace(found, values=own.values + length * (found.values - own.values))
-    tried = replace(own, values=found.values, classes=found.classes[groups])
+    changed = int((found.classes != classes).sum())
     predicted = linear.at(found.K)
-    return _solved(moves, tried, predicted), int((found.classes != classes).sum()), _norm(moves, predicted)
+    if changed:
+        there = replace(own, values=found.values, classes=found.classes[groups])
+        here = evened(moves, _placed(stressing, there, predicted))
+    return here, changed, _norm(moves, predicted)
 
 
 def nearest_surface(moves: NormalMoves) -> FloatArray:
@@ -172,8 +172,8 @@ def finished(moves: NormalMoves, placed: Placed) -> Placed:
     return Placed(assigned, here, _norm(moves, here))
 
 
-def evened(moves: NormalMoves, placed: Placed) -> Placed:
-    """Return an assignment with a surface whose largest distances and folds are less: where they are large, they count more.
+def evened(moves: NormalMoves, placed: Placed, powers: Sequence[int] = (POWER,)) -> Placed:
+    """Return an assignment with a surface nearer to the design in norms of rising powers, that is with less largest distances and folds.
 
     Surface and K of the moulds take damped steps towards those of least weighted squares, with weights that are powers of the criteria.
 
@@ -181,33 +181,47 @@ def evened(moves: NormalMoves, placed: Placed) -> Placed:
     ----------
     Burrus, Barreto, Selesnick, *Iterative reweighted least-squares design of FIR filters*, 1994, doi:10.1109/78.330353.
     """
-    for power in EVENING_POWERS:
+    for power in powers:
+        norm = _norm(moves, placed.moves, power)
         for _ in range(EVENING):
-            before, placed = placed, _evened_once(moves, placed, power)
-            if not placed.norm < (1.0 - LEAST_GAIN) * before.norm:
+            before, placed = norm, _evened_once(moves, placed, norm, power)
+            norm = _norm(moves, placed.moves, power)
+            if not norm < (1.0 - LEAST_GAIN) * before:
                 break
     return placed
 
 
-def _evened_once(moves: NormalMoves, here: Placed, power: int) -> Placed:
-    """Return the surface after one step of :func:`evened` that reduces the norm, or the same one."""
-    own = np.abs(moves.criteria(here.moves))
-    weights = (own / max(float(own.max(initial=0.0)), 1e-300)) ** power + LEAST
-    stressing = moves.stressing(weights / float(moves.criteria_mass @ weights))
-    used, groups = np.unique(here.assigned.classes, return_inverse=True)
-    linear = stressing.linearised(here.moves, here.assigned.K, groups)
-    grouped = Assignment(here.assigned.values[used], np.arange(len(used)), here.assigned.kept[used], np.ones(len(used), bool))
-    changes = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values - grouped.values
-    towards = linear.at(grouped.values + changes) - here.moves
+def _evened_once(moves: NormalMoves, here: Placed, norm: float, power: int) -> Placed:
+    """Return the surface after one step of :func:`evened` that reduces the norm of a power, or the same one."""
+    stressing = _stressing(moves, here.moves, power)
+    aim = _fitted(moves, stressing.sensitivities(here.moves, here.assigned.K), here.assigned)
+    changes, towards = aim.assigned.values - here.assigned.values, aim.moves - here.moves
     length = 1.0
     while length >= SHORTEST_EVENING:
-        values = here.assigned.values.copy()
-        values[used] += length * changes
-        tried = _placed(stressing, replace(here.assigned, values=values), here.moves + length * towards)
-        if tried.norm < here.norm:
+        own = replace(here.assigned, values=here.assigned.values + length * changes)
+        tried = _placed(stressing, own, here.moves + length * towards)
+        if np.isfinite(tried.norm) and _norm(moves, tried.moves, power) < norm:
             return tried
         length /= 2.0
     return here
+
+
+def _stressing(moves: NormalMoves, own: FloatArray, power: int) -> NormalMoves:
+    """Return the same surfaces, with squares of criteria weighted as in a norm of a power about given moves (c,)."""
+    sizes = np.abs(moves.criteria(own))
+    weights = (sizes / max(float(sizes.max(initial=0.0)), 1e-300)) ** (power - 2) + LEAST
+    return moves.stressing(weights / float(moves.criteria_mass @ weights))
+
+
+def _fitted(moves: NormalMoves, sensitivities: Sensitivities, assigned: Assignment) -> Placed:
+    """Return an assignment with the K of its moulds that are best on a linear model, and the surface by this model."""
+    used, groups = np.unique(assigned.classes, return_inverse=True)
+    linear = sensitivities.linear(groups)
+    grouped = Assignment(assigned.values[used], np.arange(len(used)), assigned.kept[used], np.ones(len(used), bool))
+    values = assigned.values.copy()
+    values[used] = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values
+    predicted = linear.at(values[used])
+    return Placed(replace(assigned, values=values), predicted, _norm(moves, predicted))
 
 
 def catalogue(radii: Sequence[float]) -> FloatArray:
@@ -219,53 +233,45 @@ def catalogue(radii: Sequence[float]) -> FloatArray:
 
 
 def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Placed]:
-    """Return the different surfaces of those of several clusterings that the linear model predicts nearest to the design."""
-    areas = moves.panel_areas()
-    nothing = np.zeros(len(moves.columns))
-    sensitivities = moves.sensitivities(nothing, design)
-    nearest, constant = _nearest(sensitivities, moves.mass), sensitivities.constant()
+    """Return the nearest surfaces, evened, of those of several clusterings that the linear model predicts nearest to the design."""
+    sensitivities = moves.sensitivities(np.zeros(len(moves.columns)), design)
+    nearest = _nearest(sensitivities, moves.mass)
+    given = [own for sample in (design, nearest) for own in _given(moves, moulds, sample)]
+    promising: list[Placed] = []
+    for placed in sorted((_fitted(moves, sensitivities, own) for own in given), key=lambda placed: placed.norm):
+        # Clusterings of many panels often end in the same classes.
+        if len(promising) < SOLVED and all(_moved(placed.assigned, other.assigned) > SAME * moves.panels for other in promising):
+            promising.append(placed)
+    solved = [_placed(moves, placed.assigned, placed.moves) for placed in promising]
+    return [evened(moves, placed) for placed in sorted(solved, key=lambda placed: placed.norm)[:STARTS]]
+
+
+def _given(moves: NormalMoves, moulds: Moulds, sample: FloatArray) -> list[Assignment]:
+    """Return the assignments to start from by the K of a sample (p,)."""
     locked = np.zeros(moves.panels, bool) if moulds.locked is None else moulds.locked >= 0
     if moulds.values is not None:
-        kept = np.ones(len(moulds.values), bool)
-        given = [(moulds.values, kept, nearest_values(sample, moulds.values)) for sample in (design, nearest)]
-    elif moulds.number >= moves.panels and not moulds.flat:
-        given = [(sample, np.zeros(moves.panels, bool), np.arange(moves.panels)) for sample in (design, nearest)]
-    elif moulds.number == 1 and moulds.flat is not False:
-        given = [(np.zeros(1), np.ones(1, bool), np.zeros(moves.panels, np.int64))]
-    else:
-        clusters = clusterings([design, nearest], areas, moulds.number, moulds.flat)
-        given = [(values, kept, nearest_values(design, values)) for values, kept in clusters]
-    found = []
-    for values, kept, own in given:
-        classes = own if moulds.locked is None else np.where(locked, moulds.locked, own)
-        assigned = Assignment(values, classes, kept, locked)
-        predicted = constant + sensitivities.forward(assigned.K)
-        found.append(Placed(assigned, predicted, _norm(moves, predicted)))
-    promising: list[Placed] = []
-    for placed in sorted(found, key=lambda placed: placed.norm)[:STARTS]:
-        # Clusterings of many panels often end in the same classes; the K of the moulds are fitted later.
-        if all(_moved(placed.assigned, other.assigned) > SAME * moves.panels for other in promising):
-            promising.append(placed)
-    return [_solved(moves, placed.assigned, placed.moves) for placed in promising]
+        classes = nearest_values(sample, moulds.values)
+        classes = classes if moulds.locked is None else np.where(locked, moulds.locked, classes)
+        return [Assignment(moulds.values, classes, np.ones(len(moulds.values), bool), locked)]
+    if moulds.number >= moves.panels and not moulds.flat:
+        return [Assignment(sample, np.arange(moves.panels), np.zeros(moves.panels, bool), locked)]
+    if moulds.number == 1 and moulds.flat is not False:
+        return [Assignment(np.zeros(1), np.zeros(moves.panels, np.int64), np.ones(1, bool), locked)]
+    found = _clustered(sample, moves.panel_areas(), moulds)
+    return [Assignment(values, nearest_values(sample, values), kept, locked) for values, kept in found]
+
+
+def _clustered(sample: FloatArray, areas: FloatArray, moulds: Moulds) -> Iterator[tuple[FloatArray, Mask]]:
+    """Yield values of K (moulds,), with masks of those that are to stay, by clusters of K (p,) and of its roots."""
+    yield from clusterings([sample], areas, moulds.number, moulds.flat)
+    for values, kept in clusterings([signed_root(sample)], areas, moulds.number, moulds.flat):
+        yield values * np.abs(values), kept
 
 
 def _moved(one: Assignment, other: Assignment) -> int:
     """Return the number of panels that have another mould in another assignment, where moulds count by the order of their K."""
     ranks = [np.argsort(np.argsort(own.values, kind="stable"))[own.classes] for own in (one, other)]
     return int((ranks[0] != ranks[1]).sum())
-
-
-def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
-    """Return an assignment with a surface near given moves, relaxed for as long as this brings it nearer to the design."""
-    best = _placed(moves, assigned, near)
-    for _ in range(RELAXATIONS):
-        if not np.isfinite(best.norm):
-            break
-        relaxed = _placed(moves, assigned, moves.relaxed(best.moves, assigned.K, STEPS))
-        if not relaxed.norm < ENOUGH * best.norm:
-            break
-        best = relaxed
-    return best
 
 
 def _placed(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
@@ -278,5 +284,5 @@ def _placed(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Place
     return Placed(assigned, here, _norm(moves, here) if moves.error(here, assigned.K) <= CLOSE else np.inf)
 
 
-def _norm(moves: NormalMoves, own: FloatArray) -> float:
-    return float(distance_norm(moves.criteria(own), moves.criteria_mass))
+def _norm(moves: NormalMoves, own: FloatArray, power: int = POWER) -> float:
+    return float(distance_norm(moves.criteria(own), moves.criteria_mass, power))

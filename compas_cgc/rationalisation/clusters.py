@@ -11,26 +11,26 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 
-__all__ = ["clusterings", "nearest_values"]
+__all__ = ["clusterings", "nearest_values", "signed_root"]
 
 MAX_ROUNDS = 50  # of k-means
 
 
 def clusterings(samples: list[FloatArray], weights: FloatArray, moulds: int, flat: Optional[bool]) -> Iterator[tuple[FloatArray, Mask]]:
-    """Yield values of K (moulds,) by k-means in one dimension, with masks of those that are to stay.
+    """Yield values (moulds,) by k-means in one dimension, with masks of those that are to stay.
 
-    Each sample is clustered from its quantiles and from even values over its range, with K = 0 among the values or not.
+    Each sample is clustered from its quantiles and from even values over its range, with 0 among the values or not.
 
     Parameters
     ----------
     samples
-        ``(p,)`` K of the panels, such as those of the design and those of the nearest surface [1/L^2].
+        ``(p,)`` of the panels, such as K of the design and K of the nearest surface, or their roots.
     weights
         ``(p,)`` of the panels, such as their areas.
     moulds
         Number of values.
     flat
-        Whether one value is K = 0 and stays so. None: with and without.
+        Whether one value is 0 and stays so. None: with and without.
     """
     for sample in samples:
         for centred in (True, False) if flat is None else (flat,):
@@ -38,6 +38,15 @@ def clusterings(samples: list[FloatArray], weights: FloatArray, moulds: int, fla
             even = np.linspace(sample.min(), sample.max(), 2 * moulds + 1)[1::2]
             for first in (quantiles, even):
                 yield _clustered(sample, weights, first.copy(), centred)
+
+
+def signed_root(K: FloatArray) -> FloatArray:
+    """Return the roots of K with its sign [1/L].
+
+    A surface of another K is away from a nearly flat design by the difference of their curvatures, so that nearly flat parts need as
+    many values of K as strongly curved ones.
+    """
+    return np.sign(K) * np.sqrt(np.abs(K))
 
 
 def nearest_values(sample: FloatArray, values: FloatArray) -> IntArray:

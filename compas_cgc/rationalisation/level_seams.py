@@ -11,6 +11,7 @@ from ..discrete.arrays import FloatArray
 from ..errors import MeshError
 from ..meshing.polyline import arc_lengths
 from .clusters import clusterings
+from .clusters import signed_root
 from .curve_panels import Lengths
 from .rims import within_rims
 from .spline_surface import SplineSurface
@@ -23,10 +24,7 @@ SMALLEST = 0.12  # of the size: level lines that are shorter are left out
 
 
 def level_seams(surface: SplineSurface, moulds: int, rims: Sequence[FloatArray] = ()) -> list[FloatArray]:
-    """Return the level lines (k, 2) of K between so many clusters of it, on a surface with rims (k, 2).
-
-    Clusters are those of the signed root of K: a surface of another K is away from a design by the difference of their curvatures, so
-    that nearly flat parts need as many values of K as strongly curved ones.
+    """Return the level lines (k, 2) of K between so many clusters of its signed root, on a surface with rims (k, 2).
 
     Raises
     ------
@@ -48,7 +46,7 @@ def level_seams(surface: SplineSurface, moulds: int, rims: Sequence[FloatArray] 
     modes = ["wrap" if closes else "nearest" for closes in surface.closed]
     K = gaussian_filter(K[once], [SMOOTHING * size * GRID / span for span in spans], mode=modes)
     K = np.pad(K, [(0, int(closes)) for closes in surface.closed], mode="wrap")
-    curvature = np.sign(K) * np.sqrt(np.abs(K))
+    curvature = signed_root(K)
     values, _ = next(clusterings([curvature.ravel()], within_rims(uv, rims).astype(np.float64), moulds, False))
     values = np.sort(values)
     lines: list[FloatArray] = []

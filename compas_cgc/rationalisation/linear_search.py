@@ -51,13 +51,13 @@ class Assignment:
         return self.values[self.classes]
 
 
-def distance_norm(moves: FloatArray, mass: FloatArray) -> FloatArray:
+def distance_norm(moves: FloatArray, mass: FloatArray, exponent: int = POWER) -> FloatArray:
     """Return the power mean of distances: of moves (c,) or of several (c, r), weighted by masses (c,) that sum to one [L]."""
     largest = np.maximum(moves.max(axis=0, initial=0.0), -moves.min(axis=0, initial=0.0)) + 1e-300
     power = moves / largest
-    for _ in range(POWER.bit_length() - 1):
+    for _ in range(exponent.bit_length() - 1):
         power = np.multiply(power, power, out=power)
-    return largest * (mass @ power) ** (1.0 / POWER)
+    return largest * (mass @ power) ** (1.0 / exponent)
 
 
 def best_values(linear: LinearMoves, mass: FloatArray, assigned: Assignment, steps: int = NEWTON_STEPS) -> Assignment:
@@ -118,8 +118,8 @@ def promising_panels(sensitivities: Sensitivities, over: NormalMoves, assigned: 
 
 def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: int) -> Assignment:
     """Move single panels to other moulds, at most so many, for as long as the distance decreases; the K of the moulds follow."""
-    S = linear.by_panel
-    squares = S**2
+    responses = np.ascontiguousarray(linear.by_panel.T)
+    squares = responses**2
     moves = linear.at(assigned.K)
     norm = float(distance_norm(moves, mass))
     for done in range(1, most + 1):
@@ -129,20 +129,21 @@ def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: in
         if not len(panel):
             break
         weight = mass * (np.abs(moves) / np.abs(moves).max(initial=1e-300)) ** (POWER - 2)
-        slope, second = S.T @ (weight * moves), (POWER - 1) * (squares.T @ weight)
+        slope, second = responses @ (weight * moves), (POWER - 1) * (squares @ weight)
         by = changes[panel, mould]
         estimate = slope[panel] * by + 0.5 * second[panel] * by**2
         chosen = np.argsort(estimate, kind="stable")[:CANDIDATES]
-        tried = moves[:, None] + S[:, panel[chosen]] * by[chosen]
-        norms = distance_norm(tried, mass)
+        tried = moves + responses[panel[chosen]] * by[chosen, None]
+        norms = distance_norm(tried.T, mass)
         best = int(np.argmin(norms))
         if not norms[best] ** POWER < (1.0 - GAIN) * norm**POWER:
             break
         classes = assigned.classes.copy()
         classes[panel[chosen[best]]] = mould[chosen[best]]
         assigned = replace(assigned, classes=classes)
+        moves, norm = tried[best], float(norms[best])
         if done % REFIT == 0:
             assigned = best_values(linear, mass, assigned, 3)
-        moves = linear.at(assigned.K)
-        norm = float(distance_norm(moves, mass))
+            moves = linear.at(assigned.K)
+            norm = float(distance_norm(moves, mass))
     return best_values(linear, mass, assigned)

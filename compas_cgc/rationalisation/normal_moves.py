@@ -28,7 +28,7 @@ from .panelling import vertex_panels
 __all__ = ["LinearMoves", "NormalMoves", "Sensitivities", "Weights"]
 
 PENALTY = 1e4  # of squared deviations of K, against squared moves, in lengths of the design; multipliers remove what it leaves
-FOLD_LENGTH = 1.2  # in widths of a panel, times the angle of a fold: what counts as much as a distance of that size
+FOLD_LENGTH = 1.6  # in widths of a panel, times the angle of a fold: what counts as much as a distance of that size
 CORRECTIONS = 2  # of the multipliers
 SHORTEST = 0.02  # part of a step of Newton's method
 
@@ -49,6 +49,10 @@ class LinearMoves(NamedTuple):
     def at(self, K: FloatArray) -> FloatArray:
         """Return the moves (c,) for the K (p,) of the panels [L]."""
         return self.constant + self.by_panel @ K
+
+    def through(self, moves: FloatArray, K: FloatArray) -> LinearMoves:
+        """Return the model whose moves are given ones (c,) for K (p,)."""
+        return LinearMoves(moves - self.by_panel @ K, self.by_panel)
 
     def of(self, criteria: Callable[[FloatArray], FloatArray]) -> LinearMoves:
         """Return linear criteria of the moves, to first order."""
@@ -141,23 +145,12 @@ class NormalMoves:
         residual, areas = self._measured(moves, K)
         return float(np.abs(residual / areas).max(initial=0.0)) * self.size**2
 
-    def relaxed(self, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
-        """Return the moves (c,) of least energy with the K (p,) of the panels, to first order about moves (c,), then with steps to K.
-
-        All use the same factors.
-        """
-        system = self._linearised(moves, K)
-        least = system.solved((system.jacobian @ moves - system.residual)[:, None])[:, 0]
-        return self._stepped(system, least, K, steps)
-
     def newton(self, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
         """Return the moves (c,) after steps to the K (p,) of the panels, each by the change of least energy.
 
         All steps use the factors of the first. A step that would increase the deviations from K is halved.
         """
-        return self._stepped(self._linearised(moves, K), moves, K, steps)
-
-    def _stepped(self, system: _Linearised, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
+        system = self._linearised(moves, K)
         residual = self._measured(moves, K)[0]
         for _ in range(steps):
             change = system.solved(residual[:, None])[:, 0]
@@ -171,20 +164,6 @@ class NormalMoves:
                 break
             moves, residual = moves - length * change, there
         return moves
-
-    def linearised(self, moves: FloatArray, K: FloatArray, groups: Optional[IntArray] = None) -> LinearMoves:
-        """Return the moves for other K, to first order about moves (c,) and the K (p,) of the panels.
-
-        Parameters
-        ----------
-        moves
-            ``(c,)`` where to linearise [L].
-        K
-            ``(p,)`` K of the panels there [1/L^2].
-        groups
-            ``(p,)`` group of every panel; the columns are then those of groups, the K of which change together.
-        """
-        return self.sensitivities(moves, K).linear(groups)
 
     def sensitivities(self, moves: FloatArray, K: FloatArray) -> Sensitivities:
         """Return the derivatives of the moves by the K of the panels, about moves (c,) and the K (p,) of the panels."""

@@ -28,7 +28,6 @@ from .assignment import Moulds
 from .assignment import Placed
 from .assignment import assign
 from .assignment import catalogue
-from .assignment import evened
 from .assignment import finished
 from .design import Design
 from .design import DesignInput
@@ -254,7 +253,7 @@ def _assigned(
             )
         best = None
         for count in range(1, min(MAX_MOULDS, moves.panels) + 1):
-            found = _evened(moves, Moulds(count, flat=flat), stop)
+            found = assign(moves, Moulds(count, flat=flat), stop.shown)
             best = found if best is None or found.distance < best.distance else best
             if best.distance <= within or stop.stopped:
                 return best
@@ -265,7 +264,7 @@ def _assigned(
             raise CGCError(f"moulds must be a number from 1 up, or radii, not {moulds!r}")
         if locked:
             raise CGCError("locked panels need existing moulds; give the radii of the moulds as moulds=[...]")
-        return _evened(moves, Moulds(min(int(moulds), moves.panels), flat=flat), stop)
+        return assign(moves, Moulds(min(int(moulds), moves.panels), flat=flat), stop.shown)
     values = catalogue(moulds)  # type: ignore[arg-type]
     own = None
     if locked:
@@ -277,13 +276,7 @@ def _assigned(
                     f"there are {moves.panels} panels and {len(values)} moulds, counted from 0"
                 )
             own[number] = mould
-    return _evened(moves, Moulds(len(values), values, locked=own), stop)
-
-
-def _evened(moves: NormalMoves, moulds: Moulds, stop: _Stop) -> Placed:
-    """Return the best assignment of panels to moulds, with its largest distances reduced unless it was cancelled."""
-    found = assign(moves, moulds, stop.shown)
-    return found if stop.stopped else evened(moves, found)
+    return assign(moves, Moulds(len(values), values, locked=own), stop.shown)
 
 
 def _result(

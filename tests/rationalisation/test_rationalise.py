@@ -65,16 +65,25 @@ def test_with_a_mould_for_every_panel_the_surface_is_nearer_than_with_few():
     assert own.distance.largest < few.distance.largest
 
 
+def clustered(moves: NormalMoves, number: int):
+    """Return the surface whose panels have the K of clusters of the design's."""
+    from compas_cgc.rationalisation.assignment import Moulds
+    from compas_cgc.rationalisation.assignment import _given
+    from compas_cgc.rationalisation.assignment import _placed
+
+    nothing = np.zeros(len(moves.columns))
+    return _placed(moves, _given(moves, Moulds(number, flat=True), moves.mean_curvatures(nothing))[0], nothing)
+
+
 def test_large_distances_are_evened_out():
     """Steps reduce the largest distance and fold by far, by the same norm that accepts them."""
-    from compas_cgc.rationalisation.assignment import Moulds
-    from compas_cgc.rationalisation.assignment import assign
+    from compas_cgc.rationalisation.assignment import LAST_POWERS
     from compas_cgc.rationalisation.assignment import evened
 
     panelling = panels_of(read_design(DESIGN), 4.0, 6)
     moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
-    before = assign(moves, Moulds(3))
-    after = evened(moves, before)
+    before = clustered(moves, 3)
+    after = evened(moves, before, LAST_POWERS)
     assert after.norm < 0.75 * before.norm
     largest = [np.abs(moves.criteria(placed.moves)).max() for placed in (before, after)]
     assert largest[1] < 0.75 * largest[0]
@@ -82,14 +91,21 @@ def test_large_distances_are_evened_out():
 
 
 def test_the_assignment_is_nearer_than_clusters_of_the_curvature():
-    from compas_cgc.rationalisation.assignment import Moulds
-    from compas_cgc.rationalisation.assignment import _starts
-
-    design = read_design(DESIGN)
-    panelling = panels_of(design, 2.0, 4)
+    panelling = panels_of(read_design(DESIGN), 2.0, 4)
     moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
-    clustered = _starts(moves, Moulds(3, flat=True), moves.mean_curvatures(np.zeros(len(moves.columns))))[0]
-    assert found().distance.largest < 0.8 * clustered.distance
+    assert found().distance.largest < 0.8 * clustered(moves, 3).distance
+
+
+def test_nearly_flat_hollows_get_a_mould_beside_a_hill():
+    """Clusters of K alone divide the hill and leave the hollows flat; those of its root do not."""
+    from compas_cgc.rationalisation.assignment import Moulds
+    from compas_cgc.rationalisation.assignment import _clustered
+    from compas_cgc.rationalisation.clusters import clusterings
+
+    K = np.concatenate([np.full(40, -0.5e-3), np.linspace(2e-3, 30e-3, 60)])
+    areas = np.ones(len(K))
+    assert all(values.min() == 0.0 for values, _ in clusterings([K], areas, 4, True))
+    assert any(np.isclose(values.min(), -0.5e-3) for values, _ in _clustered(K, areas, Moulds(4, flat=True)))
 
 
 def test_the_distance_is_that_from_the_true_surface_by_another_search():
@@ -119,7 +135,7 @@ def test_moves_by_the_linear_model_are_those_of_the_solve():
         nothing = moves.newton(nothing, K, 1)
     base, change = nothing, np.zeros(moves.panels)
     change[[5, 12]] = 1e-5, -1e-5
-    predicted = moves.linearised(base, K).by_panel @ change
+    predicted = moves.sensitivities(base, K).linear().by_panel @ change
     solved = base
     for _ in range(6):
         solved = moves.newton(solved, K + change, 1)

@@ -18,14 +18,14 @@ LIMITS = {("soft", 4): 0.035, ("soft", 8): 0.022, ("sharp", 4): 0.050, ("sharp",
 
 
 @pytest.mark.parametrize("moulds", (4, 8))
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", (0, 1, 2, 3, 4, 104))
 @pytest.mark.parametrize("kind", ("soft", "sharp"))
 def test_160_panels_are_near_the_design(kind, seed, moulds):
     design = read_design(mesh_over(bumpy(kind, seed)), tolerance=5e-4)
     found = compas_cgc.rationalise(design, panel=2.5, moulds=moulds)
     assert found.panelling.panel_count == 160 and found.result.converged and found.result.verdict.fair
     assert found.distance.largest <= LIMITS[kind, moulds]
-    assert found.folds.beyond()["median"] <= 0.2
+    assert found.folds.beyond()["largest"] <= 0.5 and found.folds.beyond()["median"] <= 0.2
 
 
 def test_640_panels_on_eight_moulds():
