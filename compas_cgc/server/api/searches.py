@@ -174,6 +174,12 @@ SEARCHES: dict[str, Search] = {
                 BuildOption("panel", "width of the panels (default: a twelfth of the longer side)", values.number, _LENGTH),
                 BuildOption("within", "largest distance from the design", values.number, _LENGTH),
                 BuildOption(
+                    "tolerance",
+                    "largest distance of the smooth surface fitted to a mesh (default: that of the file, or a ten-thousandth of the size)",
+                    values.number,
+                    _LENGTH,
+                ),
+                BuildOption(
                     "flat", "whether one mould is flat (default: whichever is nearer to the design)", values.truth, {"type": "boolean"}
                 ),
                 BuildOption(

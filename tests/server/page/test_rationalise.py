@@ -89,6 +89,7 @@ def test_a_design_becomes_a_roof_of_few_moulds(open_server, tmp_path, roof, brow
         assert len(hands.read(COLOURS, "#rationalise-panels")) >= 4 and "Plan" in hands.text("#rationalise-panels-head")
         hands.click("#rationalise-colours [value=distance] + span")
         wait_for(lambda: hands.text("#rationalise-legend .what") == "Distance from the design in mm")
+        assert hands.text("#rationalise-distances-head").endswith("in mm, red above")
         ends = hands.read("return [...document.querySelectorAll('#rationalise-legend .ends span')].map((end) => end.textContent)")
         assert ends[0] == f"−{ends[2]}" and float(ends[2]) >= 1000.0 * told["distance"]["max"]
         look("1-moulds")
@@ -135,6 +136,15 @@ def test_a_job_is_stopped_and_wrong_files_and_numbers_get_a_sentence(open_server
         hands.click("#rationalise-stop")
         wait_for(lambda: not hands.shown("#rationalise-stop"), what="the job goes on")
         assert hands.text("#rationalise-said") == "Stopped." or "Stopped before the end" in hands.text("#rationalise-verdict p")
+        # A result that arrives while the dialog is closed is shown when it opens again.
+        hands.fill("[name=panel]", "2")
+        hands.click("#rationalise-close")
+        wait_for(
+            lambda: hands.read("return document.querySelector('#rationalise-results').ariaBusy") == "false", what="the job does not end"
+        )
+        hands.click("#rationalise-begin")
+        wait_for(lambda: hands.text(HEAD) == "24 panels on 4 moulds", what=hands.text(HEAD))
+        assert len(hands.read(COLOURS, "#rationalise-panels")) >= 4
         # Of formats that only designs have, files open the dialog by themselves.
         hands.click("#rationalise-close")
         hands.read(DROP, "roof.stl", "AAAA")

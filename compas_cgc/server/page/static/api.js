@@ -115,7 +115,7 @@ export class Api {
    * @returns {Promise<any>}
    */
   build(job, signal, told) {
-    return this.follow((id) => this.json('api/v1/jobs', { method: 'POST', body: JSON.stringify({ ...job, id }), signal }), signal, told);
+    return this.follow((id) => this.json('api/v1/jobs', { method: 'POST', body: JSON.stringify({ ...job, id }) }), signal, told);
   }
 
   /**
@@ -129,7 +129,7 @@ export class Api {
    */
   buildFrom(file, kind, options, signal, told) {
     const path = (id) => `api/v1/jobs?kind=${kind}&options=${encodeURIComponent(JSON.stringify({ ...options, id }))}`;
-    return this.follow((id) => this.json(path(id), { method: 'POST', body: file, signal }), signal, told);
+    return this.follow((id) => this.json(path(id), { method: 'POST', body: file }), signal, told);
   }
 
   /**
@@ -145,8 +145,10 @@ export class Api {
     try {
       for (;;) {
         try {
-          // The same job again, as its id and its content are the same.
+          // The same job again, as its id and its content are the same. An aborted request could still
+          // become a job after its deletion: it is completed first.
           await submit(id);
+          signal.throwIfAborted();
           return { ...(await this.finished(id, signal, progress)), id };
         } catch (error) {
           if (signal.aborted || !isLost(error)) throw error;

@@ -8,6 +8,7 @@ const SAID = [
   [/mesh\.set_supports\('boundary'\) or --supports boundary fixes the whole boundary/g, 'choose “Whole edge” under Supports'],
   [/a list of vertices as supports/g, 'with the tools Point and Side'],
   [/\(goals=\[Above\([^()]*\)\] prevents this\)/g, '(“Nothing lower than” prevents this)'],
+  [/; try tolerance=([\d.e-]+)/g, '; try to fit it within $1 under Settings'],
   [/, as targets\b/g, ' with the sliders'],
   [/; install it: pip install '[^']*'/g, '; the administrator of the server can install it'],
 ];

@@ -5,12 +5,13 @@ import { numberOf, showNumber } from '../fields.js';
 import { duration } from '../numbers.js';
 import { capital } from '../words.js';
 import { asMillimetres, figuresOf, limitOf, mouldColour, mouldsOf, reportOf } from './found.js';
-import { drawPlan } from './plan.js';
+import { drawPlan, isUpwards } from './plan.js';
 import { Stops } from './stops.js';
 import { Views } from './views.js';
 
 const PANELS = 12; // along the longer side by default, as on the server
 const PAUSE = 400; // time after the last change of the slider before it solves [ms]
+const FIRST = 3; // steps that the server reports before the rounds of the assignment
 const LARGEST = 64 * 2 ** 20; // bytes
 
 /** @typedef {any} Told result of a rationalisation: its report, and the surface with its panels */
@@ -54,6 +55,8 @@ export class Rationaliser {
       target.value = '';
     });
     $('close').addEventListener('click', () => dialog.close());
+    // A file that is still being read is not shown.
+    dialog.addEventListener('close', () => (this.latest = null));
     $('stop').addEventListener('click', () => this.stop());
     $('open').addEventListener('click', () => this.asRoof());
     $('colours').addEventListener('change', ({ target }) => this.views?.colour(target.value));
@@ -83,7 +86,7 @@ export class Rationaliser {
   /** Open the dialog, if it is not open. */
   show() {
     if (!this.dialog.open) this.dialog.showModal();
-    this.draw();
+    if (this.shown) this.present(this.shown);
   }
 
   // ---------------------------------------------------------- the design
@@ -135,8 +138,8 @@ export class Rationaliser {
 
   /** Settings of the job in the fields. */
   get settings() {
-    const { panel, within, moulds, aim, seams, supports, flat } = this.fields;
-    const given = { panel: numberOf(panel) || null, seams: seams.value, supports: supports.value, flat: { yes: true, no: false }[flat.value] };
+    const { panel, within, moulds, aim, seams, supports, tolerance, flat } = this.fields;
+    const given = { panel: numberOf(panel) || null, tolerance: numberOf(tolerance) || null, seams: seams.value, supports: supports.value, flat: { yes: true, no: false }[flat.value] };
     const aims = aim.value === 'count' ? { moulds: Number(moulds.value) } : { within: numberOf(within) || null };
     return Object.fromEntries(Object.entries({ ...given, ...aims }).filter(([, value]) => value !== null && value !== undefined && value !== ''));
   }
@@ -197,7 +200,9 @@ export class Rationaliser {
       // One that was stopped is not the result of its settings.
       if (told.status !== 'cancelled') this.results.set(key, told);
       this.settle();
-      this.present(told);
+      this.shown = told;
+      // A dialog that was closed meanwhile has no size to draw in.
+      if (this.dialog.open) this.present(told);
     } catch (error) {
       if (this.run !== run) return;
       this.settle();
@@ -206,9 +211,9 @@ export class Rationaliser {
     }
   }
 
-  progress({ state, stage, iteration, iterations, progress, elapsed }) {
-    const step = state === 'queued' ? 'Waiting in the queue' : stage === 'build' && iteration > 0 && iterations > 3 ? `Assigning panels, round ${iteration} of at most ${iterations}` : 'Dividing the design into panels';
-    this.say([step, ...(elapsed === null ? [] : [duration(elapsed)])].join(' · '), progress);
+  progress(status) {
+    const { text, part } = stageOf(status);
+    this.say([text, ...(status.elapsed === null ? [] : [duration(status.elapsed)])].join(' · '), part);
   }
 
   /** Stop the job with its best surface so far. */
@@ -294,9 +299,10 @@ export class Rationaliser {
     drawPlan(this.$('distances'), told, 'distance', unit);
     this.$('panels').ariaLabel = `${panels} of ${told.panels} panels in the colours of ${told.moulds} moulds`;
     const length = asMillimetres(unit, limitOf(told));
+    const side = { Plan: `, red ${isUpwards(told) ? 'above' : 'below'}`, Elevation: ', red in front' }[panels] ?? '';
     this.$('distances').ariaLabel = `${panels} of the distance from the design, largest ${length.text(told.distance.max)}`;
     this.$('panels-head').textContent = `${panels}: panels by mould`;
-    this.$('distances-head').textContent = `${panels}: distance from the design${length.unit ? ` in ${length.unit}` : ''}`;
+    this.$('distances-head').textContent = `${panels}: distance from the design${length.unit ? ` in ${length.unit}` : ''}${side}`;
     this.views.legends(told, unit, this.$('distances-legend'));
   }
 
@@ -369,6 +375,15 @@ export class Rationaliser {
   notes(notes) {
     this.$('notes').replaceChildren(...notes.map((text) => textOf('p', capital(text))));
   }
+}
+
+/** Return what a job does, and the part of the assignment that is done. */
+function stageOf({ state, stage, iteration, iterations }) {
+  if (state === 'queued') return { text: 'Waiting in the queue', part: null };
+  // The server reports the rounds after its own first steps.
+  if (stage !== 'build' || !(iterations > FIRST)) return { text: 'Dividing the design into panels', part: null };
+  if (iteration >= iterations) return { text: 'Solving the surface', part: null };
+  return { text: `Assigning panels, round ${iteration} of at most ${iterations}`, part: iteration / iterations };
 }
 
 function suffixOf(name) {

@@ -88,8 +88,17 @@ function drawBar(pen, { width, height, scale, unit, colour }) {
   pen.fillText(text(length), x - 6, y + 0.5);
 }
 
-/** Return the axes along which most of a surface is seen. */
-function axesOf({ vertices, faces }) {
+/**
+ * Check whether the normals point upwards in the mean, so that positive distances are above the design.
+ * @param {import('./dialog.js').Told} told
+ * @returns {boolean}
+ */
+export function isUpwards(told) {
+  return normalsOf(told).sum[2] > 0;
+}
+
+/** Return the sum of the normals of all faces, and that of their sizes. */
+function normalsOf({ vertices, faces }) {
   const sum = [0, 0, 0];
   let area = 0;
   for (const [a, b, c] of faces) {
@@ -98,6 +107,12 @@ function axesOf({ vertices, faces }) {
     normal.forEach((value, axis) => (sum[axis] += value));
     area += Math.hypot(...normal);
   }
+  return { sum, area };
+}
+
+/** Return the axes along which most of a surface is seen. */
+function axesOf(told) {
+  const { sum, area } = normalsOf(told);
   const size = Math.hypot(...sum);
   if (size < CLOSED * area) return viewFrom([0.41, -0.82, 0.41], 'View');
   if (Math.abs(sum[2]) >= STEEP * size) return { name: 'Plan', right: [1, 0, 0], up: [0, 1, 0], back: [0, 0, 1] };
