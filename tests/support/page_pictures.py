@@ -19,11 +19,19 @@ from selenium.webdriver.support.ui import WebDriverWait
 from compas_cgc.server.page.gallery import GALLERY
 
 from .browser import open_browser
+from .freeform import LENGTH
+from .freeform import WIDTH
+from .freeform import bumpy
+from .freeform import nurbs_file
 from .server_process import running_server
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "compas_cgc" / "server" / "page" / "static" / "examples"
 PAGE = ROOT / "docs" / "images" / "page.png"
+DIALOG = ROOT / "docs" / "images" / "rationalise.png"
+SLIDE = (
+    "const slider = document.querySelector('#rationalise-slider'); slider.value = arguments[0]; slider.dispatchEvent(new Event('input'))"
+)
 ALONE = (
     "header, .panel, .tools, .hand, .crown, .marks, .legend { display: none !important }",
     "main { position: fixed !important; inset: 0; display: block !important }",
@@ -82,6 +90,24 @@ def whole(window, url):
     return dithered(window.get_screenshot_as_png())
 
 
+def dialog(window, url, folder):
+    """Return the picture of a freeform design on few moulds."""
+    path = folder / "hall.3dm"
+    nurbs_file(path, bumpy("soft", 1), LENGTH, WIDTH)
+    window.get(url)
+    WebDriverWait(window, 20).until(lambda _: window.find_element(By.ID, "rationalise-begin")).click()
+    WebDriverWait(window, 20).until(lambda _: window.find_element(By.ID, "rationalise").is_displayed())
+    window.find_element(By.ID, "rationalise-file").send_keys(str(path))
+    start = window.find_element(By.ID, "rationalise-start")
+    WebDriverWait(window, 20).until(lambda _: start.is_displayed())
+    for number, words in ((2, "on 2 moulds"), (6, "on 6 moulds"), (4, "on 4 moulds")):
+        window.execute_script(SLIDE, number)
+        start.click()
+        WebDriverWait(window, 60).until(lambda _, words=words: words in window.find_element(By.ID, "rationalise-verdict").text)
+    time.sleep(1.5)
+    return dithered(window.find_element(By.ID, "rationalise").screenshot_as_png)
+
+
 def take():
     """Take all pictures, each in a browser of its own, as a page keeps the last design."""
     with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite") as server:
@@ -90,6 +116,8 @@ def take():
                 (EXAMPLES / f"{name}.png").write_bytes(example(window, server.url, name))
         with open_browser(Path(folder), 1360, 940) as window:
             PAGE.write_bytes(whole(window, server.url))
+        with open_browser(Path(folder), 1360, 860) as window:
+            DIALOG.write_bytes(dialog(window, server.url, Path(folder)))
 
 
 if __name__ == "__main__":

@@ -55,8 +55,6 @@ export class Rationaliser {
       target.value = '';
     });
     $('close').addEventListener('click', () => dialog.close());
-    // A file that is still being read is not shown.
-    dialog.addEventListener('close', () => (this.latest = null));
     $('stop').addEventListener('click', () => this.stop());
     $('open').addEventListener('click', () => this.asRoof());
     $('colours').addEventListener('change', ({ target }) => this.views?.colour(target.value));
@@ -104,8 +102,12 @@ export class Rationaliser {
     this.latest = file;
     try {
       const surface = await this.api.freeform(file, kind);
-      // Another file may have been dropped meanwhile.
+      // Another file may have been dropped meanwhile, or the dialog closed.
       if (this.latest !== file) return;
+      if (!this.dialog.open) {
+        this.say('');
+        return;
+      }
       this.forget();
       this.design = { file, kind, name: file.name.replace(/\.[^.]*$/, ''), surface };
       await this.begin();
