@@ -12,6 +12,7 @@ import numpy as np
 
 from ..model.goals.binding import finds_constants
 from ..model.goals.binding import held_by_newton
+from ..model.goals.binding import without_constants
 from ..model.measures import has_free_edges
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
@@ -74,7 +75,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         if held_by_newton(problem):
             return [ONE_UNKNOWN, GOALS]
-        if finds_constants(problem) and not is_held_all_round(problem):
+        if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
             return [SOUGHT, GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.
         return [MEETS, GOALS] if has_free_edges(problem) and takes_goals(problem) and not keeps_shape(problem) else [GOALS]

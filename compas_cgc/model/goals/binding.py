@@ -38,6 +38,7 @@ from .wholes import Length
 from .wholes import Rise
 from .wholes import Unknown
 from .wholes import Volume
+from .wholes import Whole
 
 __all__ = [
     "BoundGoals",
@@ -52,6 +53,7 @@ __all__ = [
     "support_height",
     "unknown_constants",
     "unknown_regions",
+    "without_constants",
 ]
 
 NO_EDGE = Sentence("{}: the mesh has no free edge; name the vertices of an edge, or remove the goal")
@@ -371,14 +373,18 @@ def _height_at(height: float, vertex: int) -> Equation:
     return Equation(f"the height {height:.6g} of vertex {vertex}", height, 1, lambda vertices: float(vertices[vertex, 2]), gradient)
 
 
-def finds_constants(problem: CGCProblem) -> bool:
-    """Check whether unknown constants, K or those of laws, alone can meet the goals.
+def without_constants(problem: CGCProblem) -> CGCProblem:
+    """Return the problem without unknown constants and the goals that determine them, see :func:`equations_for_constants`."""
+    return replace(problem, goals=tuple(own for own in problem.goals if not isinstance(own, (Unknown, Whole, Height))))
 
-    All goals are then heights of vertices or quantities of the whole surface, at most one for each unknown constant, whose sign is
-    drawn. The sign of a single undrawn K is that of a dome.
+
+def finds_constants(problem: CGCProblem) -> bool:
+    """Check whether unknown constants, K or those of laws, can meet the heights of vertices and the quantities of the whole surface.
+
+    There is at most one of these for each unknown constant, whose sign is drawn. The sign of a single undrawn K is that of a dome.
     """
-    unknown, bound = unknown_constants(problem), bind(problem)
-    if bound.sides or (problem.roles == DUMMY).any() or not all(isinstance(own, Height) for own in bound.places):
+    unknown = unknown_constants(problem)
+    if (problem.roles == DUMMY).any():
         return False
     if not 0 < len(equations_for_constants(problem)) <= len(unknown):
         return False

@@ -22,6 +22,7 @@ from ...model.goals.binding import finds_constants
 from ...model.goals.binding import has_constants
 from ...model.goals.binding import unknown_constants
 from ...model.goals.binding import unknown_regions
+from ...model.goals.binding import without_constants
 from ...model.goals.contradictions import refuse_impossible
 from ...model.goals.guess import allowed
 from ...model.goals.guess import drawn_constant
@@ -36,11 +37,13 @@ from ...model.recorder import Callback
 from ...model.result import Solution
 from .derivatives import moves_by_constants
 from .polisher import polish
+from .posed import takes_goals
 from .settings import PolishSettings
 
 __all__ = ["seek"]
 
 MOST, FIRST = 30, 8  # steps in the constants, and halvings of those drawn until a first surface is found
+MOST_CURVED, GENTLE = 2.0 * math.pi, 0.5  # total curvature of a guess [rad], that of a half sphere, and of a gentle surface
 NEAR = 1e-6  # of a goal, against the power of the size that it has, from which a move to first order leads to rounding
 LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of the logarithm of a constant in a step
 DECREASE = 1e-2  # part of the expected decrease that a step must bring
@@ -73,7 +76,8 @@ def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = Non
     Parameters
     ----------
     problem
-        With heights of vertices or goals of the whole surface, and regions of unknown constants, drawn as the initial guess.
+        With heights of vertices or goals of the whole surface, and regions of unknown constants, drawn as the initial guess. Other
+        goals hold on every surface.
     settings
         As for :func:`polish`.
     callback
@@ -82,11 +86,11 @@ def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = Non
     Raises
     ------
     ProblemError
-        If there are other goals, or more goals than unknown constants.
+        If there are more of these goals than unknown constants, or others that moves along fixed directions cannot meet.
     """
     refuse_impossible(problem)
-    if not finds_constants(problem):
-        kinds = "heights and goals of the whole surface alone, at most one for each region of unknown K, whose initial guess is drawn"
+    if not finds_constants(problem) or not takes_goals(without_constants(problem)):
+        kinds = "one height or goal of the whole surface at most for each region of unknown K, whose initial guess is drawn"
         raise ProblemError([Sentence(f"the method bending takes {kinds}; use the method projection, or auto", [use_method("projection")])])
     return _Seeker(problem, settings, callback).run()
 
@@ -103,8 +107,7 @@ class _Seeker:
         self.unknown = unknown_constants(problem)
         with np.errstate(divide="ignore"):
             self.bounds = np.log(np.array([factors(drawn, constant) for constant in self.unknown])).T
-        drawn = replace(drawn, goals=())
-        self.problem, self.below = drawn, _is_against_normals(problem)
+        self.problem, self.below = without_constants(drawn), _is_against_normals(problem)
         self.numbers = unknown_regions(problem)
         self.steps, self.seconds = 0, 0.0
 
@@ -136,15 +139,17 @@ class _Seeker:
         return _Here(logs, solution, self._missing(solution.vertices))
 
     def _first(self) -> _Here:
-        """Return a surface for the constants drawn, or for smaller ones if there is none."""
-        logs = np.zeros(len(self.unknown))
-        here = self._at(logs, None)
-        for _ in range(FIRST):
-            if here.solution.status in ("converged", "cancelled"):
-                break
-            logs = np.maximum(logs - LONGEST, self.bounds[0])
-            here = self._at(logs, None)
-        return here
+        """Return a fair surface for the constants drawn, or for smaller ones if there is none; else the first that arrives."""
+        total = float(np.abs(np.nan_to_num(self.problem.face_targets())) @ face_areas(self.problem.vertices, self.problem.faces))
+        # A guess in other units may be wrong by powers of ten; it then says nothing but the sign.
+        factor = GENTLE / total if total > MOST_CURVED else 1.0
+        tried: list[_Here] = []
+        for halvings in range(FIRST):
+            logs = np.maximum(np.full(len(self.unknown), math.log(factor) - halvings * LONGEST), self.bounds[0])
+            tried.append(self._at(logs, None))
+            if tried[-1].solution.status == "cancelled" or _is_fair(tried[-1]):
+                return tried[-1]
+        return next((here for here in tried if here.solution.status == "converged"), tried[-1])
 
     def _change(self, here: _Here) -> tuple[FloatArray, list[FloatArray]]:
         """Return the changes of the logarithms (k,) by Newton's method, zero where goals do not depend on them, and the moves (n, 3)."""
