@@ -13,12 +13,14 @@ from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
+from .sizing import MIN_GAP_SIZE
 from .sizing import SizeField
 from .sizing import size_field
 from .stretches import Stretch
 from .stretches import graded
 from .stretches import narrow_corners
 from .stretches import stretches_of
+from .stretches import without_copies
 
 __all__ = ["Cell", "Spread", "cells", "lattice", "spread"]
 
@@ -28,6 +30,7 @@ MIN_DISTANCE = 0.82  # distance between lattice points, relative to the edge len
 ROTATIONS = (0.0, np.pi / 6, np.pi / 12, np.pi / 4)  # rotations of lattices tried; lattices have sixfold symmetry
 FOOT_DISTANCE = 0.3  # relative distance from a curve within which a point gets a vertex at its foot on the curve
 MERGE_DISTANCE = 0.1  # relative distance within which points coincide or lie on a curve
+RUN = 0.25  # relative length from which curves with no room for triangles between them run together
 _NO_ROWS = np.empty(0)
 
 
@@ -87,6 +90,7 @@ def spread(
     stretches = [stretch for line in lines for stretch in stretches_of(line, nodes, 0.1 * spacing)]
     rims = set(map(id, lines[:count]))
     stretches = [one for one in stretches if id(one.line) in rims or _is_inside(domain, one, tolerance)]
+    stretches = without_copies(stretches, MERGE_DISTANCE * spacing)
     sides = [side for one in stretches for side in one.sides()]
     sizes = size_field([shapely.get_coordinates(line) for line in lines], sides, domain, inside_nodes, loose, spacing, grade)
     rows = narrow_corners(domain, stretches, nodes, sizes)
@@ -199,7 +203,7 @@ def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[Flo
         corners = shapely.get_coordinates(line)
         found.append(corners[_kinks(corners, bool(line.is_closed))])
         for other in lines[:i]:
-            found.append(shapely.get_coordinates(line.intersection(other)))
+            found.append(_meetings(line, other, spacing))
         if not line.is_closed:
             for end in (corners[0], corners[-1]):
                 # Snap an end near another curve to it.
@@ -212,6 +216,22 @@ def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[Flo
         if all(np.linalg.norm(node - other) > 0.1 * spacing for other in nodes):
             nodes.append(node)
     return np.array(nodes)
+
+
+def _meetings(line: shapely.LineString, other: shapely.LineString, spacing: float) -> FloatArray:
+    """Return the points (k, 2) at which two lines cross, and the ends of the parts along which they run together."""
+    crossings = shapely.get_coordinates(line.intersection(other))
+    if line.distance(other) > MIN_GAP_SIZE * spacing:
+        return crossings
+    together = [part for part in shapely.get_parts(line.intersection(other.buffer(MIN_GAP_SIZE * spacing))) if part.length > RUN * spacing]
+    apart = shapely.points(crossings)
+    inside = [np.asarray(shapely.distance(part, apart)) <= MIN_GAP_SIZE * spacing for part in together]
+    # Curves that cross once at a small angle do not run together.
+    runs = [(part, within) for part, within in zip(together, inside) if np.count_nonzero(within) != 1]
+    if not runs:
+        return crossings
+    ends = [other.interpolate(other.project(shapely.Point(end))).coords[0] for part, _ in runs for end in (part.coords[0], part.coords[-1])]
+    return np.concatenate([np.array(ends), crossings[~np.any([within for _, within in runs], axis=0)]])
 
 
 def _kinks(points: FloatArray, closed: bool) -> Mask:

@@ -13,7 +13,7 @@ from ..discrete.arrays import FloatArray
 from .sizing import MIN_GAP_SIZE
 from .sizing import SizeField
 
-__all__ = ["Stretch", "graded", "narrow_corners", "stretches_of"]
+__all__ = ["Stretch", "graded", "narrow_corners", "stretches_of", "without_copies"]
 
 NARROW_ANGLE = np.radians(40.0)  # angle between two curves below which their vertices are paired
 FIRST_PAIR = 1.5  # largest distance of the first pair from a narrow corner, in edge lengths
@@ -45,11 +45,17 @@ class Stretch(NamedTuple):
             shapely.line_interpolate_point(self.line, places % self.line.length if self.line.is_closed else places)
         )
 
-    def sides(self) -> list[FloatArray]:
-        """Return its parts that turn by at most 90 degrees, as points (k, 2) [L]."""
+    @property
+    def points(self) -> FloatArray:
+        """Points along it (k, 2) [L]."""
         points = shapely.get_coordinates(substring(self.line, self.begin, min(self.end, self.line.length)))
         if self.end > self.line.length:
             points = np.concatenate([points, shapely.get_coordinates(substring(self.line, 0.0, self.end - self.line.length))[1:]])
+        return points
+
+    def sides(self) -> list[FloatArray]:
+        """Return its parts that turn by at most 90 degrees, as points (k, 2) [L]."""
+        points = self.points
         ahead = np.diff(points, axis=0)
         way = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
         quarter = np.floor(np.cumsum(np.abs(np.diff(way, prepend=way[:1]))) / (0.5 * np.pi))
@@ -72,6 +78,19 @@ def stretches_of(line: shapely.LineString, nodes: FloatArray, reach: float) -> l
     pairs = list(zip(own[:-1], own[1:])) + ([(own[-1], own[0])] if closed else [])
     least = 3 if closed and len(own) == 1 else 1
     return [Stretch(line, float(at[a]), float(at[b] if at[b] > at[a] else at[b] + line.length), (a, b), least) for a, b in pairs]
+
+
+def without_copies(stretches: Sequence[Stretch], reach: float) -> list[Stretch]:
+    """Return stretches without those that run along an earlier one between the same nodes, within a distance [L]."""
+    kept: list[Stretch] = []
+    between: dict[frozenset[int], list[shapely.LineString]] = {}
+    for one in stretches:
+        others = between.setdefault(frozenset(one.nodes), [])
+        line = shapely.LineString(one.points)
+        if not any(shapely.hausdorff_distance(line, other, 0.25) <= reach for other in others):
+            others.append(line)
+            kept.append(one)
+    return kept
 
 
 def graded(stretch: Stretch, sizes: SizeField, rows: Sequence[FloatArray]) -> FloatArray:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import rhino3dm
+from scipy.spatial import cKDTree
 
 from compas_cgc import CGCMesh
 from compas_cgc import solve
@@ -19,7 +20,7 @@ from compas_cgc.meshing.relaxation import plane_angles
 from ..support.tiers import push_only
 
 pytest.importorskip("compas_cgal")
-pytest.importorskip("shapely")
+shapely = pytest.importorskip("shapely")
 
 
 def ring(*points):
@@ -259,3 +260,26 @@ def test_creases_on_top_of_each_other_have_no_corner_to_pair_vertices_at(off):
     long, short = np.array([[4, 0, 0], [4, 6, 0]], float), np.array([[4, 0, 0], [4 + off, 3, 0]], float)
     made = mesh_from_outline(ring, [], [long, short], 0.8, 1e-3)
     assert len(made.vertices) < 150
+
+
+ARC = [np.column_stack([8.0 * t, 3.0 + np.sin(np.pi * t), 0.0 * t]) for t in (np.linspace(0.0, 1.0, 20), np.linspace(0.0, 1.0, 33))]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        [[[0, 3, 0], [6, 3, 0]], [[2, 3, 0], [8, 3, 0]]],
+        [[[0, 3, 0], [8, 3, 0]], [[6, 3.0005, 0], [2, 3.0005, 0]]],
+        [[[4, 0, 0], [4, 6, 0]], [[0, 3, 0], [8, 3, 0]], [[0, 3, 0], [4, 3, 0], [8, 5, 0]]],
+        ARC,
+    ],
+    ids=["beyond each other", "beside each other", "through a crossing", "two polylines of an arc"],
+)
+def test_creases_on_top_of_each_other_have_one_row_of_vertices(lines):
+    mesh = CGCMesh.from_outline([[0, 0, 0], [8, 0, 0], [8, 6, 0], [0, 6, 0]], 0.8, creases=lines)
+    V = mesh.to_problem().vertices
+    assert cKDTree(V).query(V, k=2)[0][:, 1].min() > 0.3
+    drawn = shapely.union_all([shapely.LineString(np.array(line)[:, :2]) for line in lines])
+    on = V[np.unique(mesh.to_problem().creases)]
+    assert shapely.distance(drawn, shapely.points(on[:, :2])).max() < 0.05
+    assert mesh.to_problem().number_of_regions() == (5 if len(lines) == 3 else 2)
