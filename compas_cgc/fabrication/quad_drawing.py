@@ -13,9 +13,12 @@ from .drawing import Line
 from .drawing import Text
 from .drawing import clearance
 from .drawing import roomiest
+from .legend import key_of_plan
 from .legend import with_legend
 from .materials import metres_per_unit
 from .nesting import nest
+from .picture_key import Key
+from .picture_key import key_of
 from .quad_tables import quad_notes
 from .quads import PlaneQuads
 
@@ -111,7 +114,10 @@ def draw_quads(quads: PlaneQuads) -> Drawing:
         low += top + 10.0 * height
     title = f"{len(faces)} faces and above them {len(beams)} beams of a depth of {mm * quads.depth:.1f} mm, flat at 1:1, in mm"
     texts.append(Text("SHEET", title, np.array([0.5 * right, low - 6.0 * height]), 2.0 * height))
-    return with_legend(Drawing(lines, texts, (right, low), "Millimeters"), MEANINGS, quad_notes(quads), 1.5 * height)
+    # Parts lie turned, so that there is no north.
+    key = key_of_plan(Key("mm", None, key_of(quads.problem).words), np.array([0.0, low]), right, 1.5 * height)
+    drawing = Drawing([*lines, *key[0]], [*texts, *key[1]], (right, low), "Millimeters")
+    return with_legend(drawing, MEANINGS, quad_notes(quads), 1.5 * height)
 
 
 def face_label(name: str, points: FloatArray, height: float) -> Text:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import Optional
 from typing import Union
 from typing import cast
@@ -123,6 +124,7 @@ def read_mesh(
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
     mesh: Optional[str] = None,
+    result: bool = False,
     manifold: bool = False,
 ) -> tuple[CGCMesh, list[str]]:
     """Read a mesh and notes on its contents, see :func:`read_problem`.
@@ -131,7 +133,7 @@ def read_mesh(
     ----------
     path
         A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
-    layers, crease, tolerance, edge_length, mesh, manifold
+    layers, crease, tolerance, edge_length, mesh, result, manifold
         See :func:`read_problem`.
 
     Returns
@@ -157,7 +159,8 @@ def read_mesh(
 
     if _suffix_among(path, READ_SUFFIXES) == ".json" and not manifold:
         return read_json(Path(path), mesh)
-    found = read_problem(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, mesh=mesh, manifold=manifold)
+    options: dict[str, Any] = {"layers": layers, "crease": crease, "tolerance": tolerance, "edge_length": edge_length, "mesh": mesh}
+    found = read_problem(path, **options, result=result, manifold=manifold)
     return CGCMesh.from_problem(found.checked()), list(found.notes)
 
 
@@ -170,6 +173,7 @@ def read(
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
     mesh: Optional[str] = None,
+    result: bool = False,
     manifold: bool = False,
 ) -> CGCMesh:
     """Read a mesh with supports, creases, targets and goals, see :func:`read_mesh`.
@@ -180,7 +184,7 @@ def read(
     ----------
     path
         A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
-    layers, crease, tolerance, edge_length, mesh, manifold
+    layers, crease, tolerance, edge_length, mesh, result, manifold
         See :func:`read_problem`.
 
     Returns
@@ -195,7 +199,8 @@ def read(
     >>> mesh.number_of_faces(), mesh.region_target(4)
     (450, 0.04)
     """
-    made, notes = read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, mesh=mesh, manifold=manifold)
+    options: dict[str, Any] = {"layers": layers, "crease": crease, "tolerance": tolerance, "edge_length": edge_length, "mesh": mesh}
+    made, notes = read_mesh(path, **options, result=result, manifold=manifold)
     for note in notes:
         if isinstance(note, Omission):
             warnings.warn(f"{os.fspath(path)}: {note}", stacklevel=3)

@@ -13,6 +13,7 @@ import numpy as np
 from .._figures import matplotlib_module
 from .._figures import new_figure
 from ..errors import names_what_was_meant
+from ..fabrication.figures import unit_symbol
 from ..fabrication.picture_key import key_of
 from ..plot.legend import add_key
 from ..plot.view import Frame
@@ -95,9 +96,10 @@ def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, sh
     axes.set_ylim(height, 0.0)
     _head(axes, results, chosen)
     key = key_of(results.drawing)
-    varied = any(own.kind == "K" for own in results.plan.study.parameters)
+    if any(own.kind == "K" for own in results.plan.study.parameters):
+        key = key._replace(words=(f"K [1/{unit_symbol(results.drawing.drawing.units)}²]",))
     down = 72.0 * (0.5 * HEAD - height)
-    add_key(axes, key._replace(words=() if varied else key.words), view_axes(VIEW), down, 72.0 * cell / frame.width, SIZE, 0.4)
+    add_key(axes, key, view_axes(VIEW), down, 72.0 * cell / frame.width, SIZE, 0.4)
     return figure
 
 

@@ -23,6 +23,8 @@ from .archive import rhino3dm_module
 from .archive import size_of
 from .curves import EDGE_ACCURACY
 from .curves import curve_points
+from .layers import LayerNames
+from .layers import drawing_or_result
 from .meshes import has_mesh
 from .meshes import to_part
 from .parametric import ParametricSurface
@@ -81,7 +83,7 @@ def read_drawn_design(path: Union[str, os.PathLike], seams: Optional[str] = None
 
 def _drawn_design(path: Union[str, os.PathLike], seams: Optional[str]) -> DrawnDesign:
     archive = read_archive(path)
-    items = [item for item in list_items(archive) if not item.hidden]
+    items, _, said = drawing_or_result([item for item in list_items(archive) if not item.hidden], LayerNames())
     tolerance = float(archive.Settings.ModelAbsoluteTolerance)
     surfaces = _surfaces(items)
     if not surfaces:
@@ -94,12 +96,12 @@ def _drawn_design(path: Union[str, os.PathLike], seams: Optional[str]) -> DrawnD
     spline = _spline(surfaces[0].geometry) if len(surfaces) == 1 else None
     units = unit_name(archive.Settings.ModelUnitSystem)
     if spline is not None:
-        return DrawnDesign(spline, np.empty((0, 3)), np.empty((0, 4), np.int64), held, lines, units, tolerance, [])
+        return DrawnDesign(spline, np.empty((0, 3)), np.empty((0, 4), np.int64), held, lines, units, tolerance, said)
     parts, notes = zip(*(_meshed(item, surfaces, tolerance) for item in surfaces))
     counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     vertices = np.concatenate([part.vertices for part in parts])
     faces = np.concatenate([part.faces + count for part, count in zip(parts, counts)])
-    return DrawnDesign(None, vertices, faces, held, lines, units, tolerance, [note for own in notes for note in own])
+    return DrawnDesign(None, vertices, faces, held, lines, units, tolerance, [*said, *(note for own in notes for note in own)])
 
 
 def read_all_curves(path: Union[str, os.PathLike]) -> list[FloatArray]:

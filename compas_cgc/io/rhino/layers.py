@@ -15,11 +15,12 @@ from typing import Union
 
 from ...errors import FileError
 from ...errors import names_what_was_meant
+from ...meshing.cleanup import Omission
 from .archive import Item
 from .user_text import dot_law
 from .user_text import user_law
 
-__all__ = ["RATIONALISED", "RESULT", "LayerNames", "Selection", "layer_names", "select"]
+__all__ = ["RATIONALISED", "RESULT", "LayerNames", "Selection", "drawing_or_result", "layer_names", "select"]
 
 RESULT, RATIONALISED = "CGC Result", "CGC Rationalised"
 _SURFACES = ("Brep", "Extrusion", "SubD", "Surface", "NurbsSurface", "RevSurface", "PlaneSurface", "SumSurface")
@@ -162,24 +163,32 @@ def select(items: list[Item], names: LayerNames, result: bool = False) -> Select
     Objects of an earlier result are used only if there is no other mesh, or if `result` is true.
     """
     role = {item.id: names.role(item.layer) for item in items}
-    given = [item for item in items if role[item.id] != "result"]
     regions = [item for item in items if item.layer == f"{RESULT}::Regions" and item.kind == "mesh"]
-    drawn = any(item.kind == "mesh" or item.kind in _SURFACES for item in given)
-    found = _of_result(items)
-    if found and (result or not drawn):
-        note = "the result in the file is used instead of its drawing"
-        if not drawn:
-            note = "the file holds only an earlier result, which is used as the input"
-        mesh, supports, creases, constraints, goals = found.values()
-        return Selection(mesh, supports, creases, [], constraints, goals, [], regions, [note])
+    given, earlier, notes = drawing_or_result(items, names, result)
+    if earlier:
+        wanted = ("Mesh", "Supports", "Creases", "Constraints", "Goals")
+        mesh, supports, creases, constraints, goals = ([item for item in given if item.layer == f"{RESULT}::{part}"] for part in wanted)
+        return Selection(mesh, supports, creases, [], constraints, goals, [], regions, notes)
     selected = _by_layer(given, role, regions, names) if any(role[item.id] for item in given) else _by_kind(given, regions)
-    return selected._replace(notes=["the drawing in the file is used, not its result", *selected.notes]) if found else selected
+    return selected._replace(notes=[*notes, *selected.notes])
 
 
-def _of_result(items: list[Item]) -> dict[str, list[Item]]:
-    wanted = ("Mesh", "Supports", "Creases", "Constraints", "Goals")
-    parts = {part: [item for item in items if item.layer == f"{RESULT}::{part}"] for part in wanted}
-    return parts if parts["Mesh"] else {}
+def drawing_or_result(items: list[Item], names: LayerNames, result: bool = False) -> tuple[list[Item], bool, list[str]]:
+    """Return the objects of a drawing or of an earlier result, whether they are the result, and a note on it if there is one.
+
+    The result is used only if nothing else has faces, or if `result` is true.
+    """
+    earlier = [item for item in items if names.role(item.layer) == "result"]
+    given = [item for item in items if names.role(item.layer) != "result"]
+    drawn = any(item.kind == "mesh" or item.kind in _SURFACES for item in given)
+    solved = any(item.layer == f"{RESULT}::Mesh" for item in earlier)
+    if not solved:
+        return given, False, []
+    if not drawn:
+        return earlier, True, ["the file holds only an earlier result, which is used as the input"]
+    if result:
+        return earlier, True, ["the result in the file is used instead of its drawing"]
+    return given, False, [Omission("the drawing in the file is used, not its result")]
 
 
 def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNames) -> Selection:

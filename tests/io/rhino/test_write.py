@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import rhino3dm
 
+import compas_cgc
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
 from compas_cgc import Height
@@ -20,6 +21,7 @@ from compas_cgc.errors import FileError
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino import write_problem
 from compas_cgc.io.rhino import write_result
+from compas_cgc.io.rhino.designs import read_drawn_design
 from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
@@ -170,6 +172,13 @@ def test_the_input_is_kept_and_the_result_stands_beside_it(handed_over, tmp_path
     drawn, solved = (read_3dm(out, result=own) for own in (False, True))
     assert np.ptp(drawn.problem.vertices[:, 2]) == 0.0 < np.ptp(solved.problem.vertices[:, 2])
     assert "the drawing in the file is used, not its result" in drawn.notes and "result in the file is used" in solved.notes[0]
+    with pytest.warns(UserWarning, match="the drawing in the file is used, not its result"):
+        read_again = compas_cgc.read(out)
+    assert np.array_equal(read_again.to_problem().vertices, drawn.problem.vertices)
+    assert np.array_equal(compas_cgc.read(out, result=True).to_problem().vertices, solved.problem.vertices)
+    design = read_drawn_design(out)
+    assert np.array_equal(np.unique(design.vertices, axis=0), np.unique(drawn.problem.vertices, axis=0))
+    assert design.notes[0] == "the drawing in the file is used, not its result"
     assert not any("result" in note for note in model.notes)
     (mesh,) = parts["Mesh"]
     written = np.array([(p.X, p.Y, p.Z) for p in mesh.Geometry.Vertices.ToPoint3dArray()])
