@@ -206,7 +206,7 @@ def _cut(patterns: Patterns) -> str:
     """Return what cut lines are."""
     units, stock = patterns.problem.drawing.units, patterns.stock
     cut = f"middle of a kerf of {in_mm([stock.kerf], units)}" if stock.kerf else "edge, without kerf"
-    return f"{cut}{f', with an allowance of {in_mm([stock.allowance], units)}' if stock.allowance else ''}"
+    return f"{cut}{f', with an allowance of {in_mm([stock.allowance], units)} all around' if stock.allowance else ''}"
 
 
 def _notes(patterns: Patterns) -> list[str]:
@@ -227,7 +227,7 @@ def _notes(patterns: Patterns) -> list[str]:
             "table of edges holds the angles"
         )
     else:
-        notes.append("there are no folds: pieces are rolled or pressed")
+        notes.append("there are no folds: pieces are rolled or pressed; the cut list holds their radii, strains and moulds")
     if patterns.rulings:
         off = [own for own in patterns.straightness.values() if own.median <= MAX_BOW]
         notes.append(

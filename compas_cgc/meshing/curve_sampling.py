@@ -30,7 +30,7 @@ MIN_DISTANCE = 0.82  # distance between lattice points, relative to the edge len
 ROTATIONS = (0.0, np.pi / 6, np.pi / 12, np.pi / 4)  # rotations of lattices tried; lattices have sixfold symmetry
 FOOT_DISTANCE = 0.3  # relative distance from a curve within which a point gets a vertex at its foot on the curve
 MERGE_DISTANCE = 0.1  # relative distance within which points coincide or lie on a curve
-RUN = 0.25  # relative length from which curves with no room for triangles between them run together
+TOGETHER, RUN = 0.5 * MIN_GAP_SIZE, 0.25  # relative distance and length from which curves run together, without room for triangles
 _NO_ROWS = np.empty(0)
 
 
@@ -90,7 +90,7 @@ def spread(
     stretches = [stretch for line in lines for stretch in stretches_of(line, nodes, 0.1 * spacing)]
     rims = set(map(id, lines[:count]))
     stretches = [one for one in stretches if id(one.line) in rims or _is_inside(domain, one, tolerance)]
-    stretches = without_copies(stretches, MERGE_DISTANCE * spacing)
+    stretches = without_copies(stretches, MIN_GAP_SIZE * spacing)
     sides = [side for one in stretches for side in one.sides()]
     sizes = size_field([shapely.get_coordinates(line) for line in lines], sides, domain, inside_nodes, loose, spacing, grade)
     rows = narrow_corners(domain, stretches, nodes, sizes)
@@ -221,11 +221,11 @@ def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[Flo
 def _meetings(line: shapely.LineString, other: shapely.LineString, spacing: float) -> FloatArray:
     """Return the points (k, 2) at which two lines cross, and the ends of the parts along which they run together."""
     crossings = shapely.get_coordinates(line.intersection(other))
-    if line.distance(other) > MIN_GAP_SIZE * spacing:
+    if line.distance(other) > TOGETHER * spacing:
         return crossings
-    together = [part for part in shapely.get_parts(line.intersection(other.buffer(MIN_GAP_SIZE * spacing))) if part.length > RUN * spacing]
+    together = [part for part in shapely.get_parts(line.intersection(other.buffer(TOGETHER * spacing))) if part.length > RUN * spacing]
     apart = shapely.points(crossings)
-    inside = [np.asarray(shapely.distance(part, apart)) <= MIN_GAP_SIZE * spacing for part in together]
+    inside = [np.asarray(shapely.distance(part, apart)) <= TOGETHER * spacing for part in together]
     # Curves that cross once at a small angle do not run together.
     runs = [(part, within) for part, within in zip(together, inside) if np.count_nonzero(within) != 1]
     if not runs:
