@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 from typing import Optional
 
@@ -160,7 +161,36 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             origin = origins[patterns.pieces[ruling.piece].sheet]
             lines.append(Line("RULING", ruling.points + origin))
             texts += _radius(patterns, ruling, height, origin, taken[ruling.piece])
-    numbers = list[tuple[int, Seam, int, Text]]()
+    drawn_seams = _drawn_seams(patterns, origins, labels, taken, mark, height)
+    lines, texts = [*lines, *drawn_seams[0]], [*texts, *drawn_seams[1]]
+    size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
+    words = (*key_of(patterns.problem).words, "north, and where the pieces lie: in the plan of the pieces")
+    key = Key(unit_symbol(patterns.problem.drawing.units), None, words)
+    drawn_key = key_of_plan(key, np.array([0.0, size[1] + 6.0 * height]), length, 1.5 * height)
+    lines, texts = [*lines, *drawn_key[0]], [*texts, *drawn_key[1]]
+    drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
+    return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
+
+
+def _drawn_seams(
+    patterns: Patterns, origins: Mapping[int, FloatArray], labels: FloatArray, taken: list[list[FloatArray]], mark: float, height: float
+) -> tuple[list[Line], list[Text]]:
+    """Return the ticks of seams on drawn sheets, and the numbers of seams where there is room.
+
+    Parameters
+    ----------
+    patterns
+        The pieces.
+    origins
+        ``(2,)`` lower left corners of the drawn sheets [L].
+    labels
+        ``(p, 2, 2)`` boxes of the names of pieces [L].
+    taken
+        Boxes of texts by piece, to which those of the numbers are added [L].
+    mark, height
+        Length of ticks and height of texts [L].
+    """
+    lines, texts, numbers = list[Line](), list[Text](), list[tuple[int, Seam, int, Text]]()
     segments = [sides_of([loop.points for loop in piece.loops]) for piece in patterns.pieces]
     for seam in patterns.seams:
         for side, number in enumerate(seam.pieces):
@@ -182,13 +212,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         taken[number].append(text_box(text.text, text.place, text.height))
         lines += [own._replace(points=own.points + origins[piece.sheet]) for own in leader]
         texts.append(text._replace(place=text.place + origins[piece.sheet]))
-    size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
-    words = (*key_of(patterns.problem).words, "north, and where the pieces lie: in the plan of the pieces")
-    key = Key(unit_symbol(patterns.problem.drawing.units), None, words)
-    drawn_key = key_of_plan(key, np.array([0.0, size[1] + 6.0 * height]), length, 1.5 * height)
-    lines, texts = [*lines, *drawn_key[0]], [*texts, *drawn_key[1]]
-    drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
-    return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
+    return lines, texts
 
 
 def _title(patterns: Patterns, number: int) -> str:
