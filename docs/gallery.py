@@ -23,6 +23,7 @@ from compas_cgc import Rise
 from compas_cgc import solve
 from compas_cgc._atomic_write import write_text
 from compas_cgc.plot import View
+from compas_cgc.plot import key_of
 from compas_cgc.plot import save
 from compas_cgc.plot import studio
 
@@ -55,7 +56,8 @@ PICTURES = {
 def drawn(problem: CGCProblem, picture: Picture, width: int = 1200) -> object:
     """Return the picture of a surface, coloured by region or by target curvature."""
     K = np.where(problem.asked, problem.targets, np.nan) if picture.by_curvature else None
-    return studio(problem.vertices, problem.faces, problem.roles, problem.creases, curvature=K, view=picture.view, width=width)
+    shape = problem.vertices, problem.faces, problem.roles, problem.creases
+    return studio(*shape, curvature=K, view=picture.view, width=width, key=key_of(problem))
 
 
 PAGE = """# Gallery

@@ -30,6 +30,7 @@ from compas_cgc.model.problem import CGCProblem
 from compas_cgc.plot import View
 from compas_cgc.plot import draw_shape
 from compas_cgc.plot import draw_zebra
+from compas_cgc.plot import key_of
 from compas_cgc.plot import moulds_figure
 from compas_cgc.plot import save
 from compas_cgc.plot import studio
@@ -285,7 +286,7 @@ def laws() -> None:
     exec(code, names)
     solved = names["result"].problem
     save(
-        studio(solved.vertices, solved.faces, solved.roles, solved.creases, view=View(-62.0, 24.0, 2.4), width=1200),
+        studio(*(solved.vertices, solved.faces, solved.roles, solved.creases), view=View(-62.0, 24.0, 2.4), width=1200, key=key_of(solved)),
         DOCS / "images" / "laws.png",
     )
 

@@ -203,10 +203,7 @@ def _draw(picture: Path, of: str, result: SolveResult) -> Path:
     key = key_of(problem)
     if of == "zebra":
         return save(cast("Figure", draw_zebra(*shape, key=key).figure), path)
-    # In perspective, lengths depend on the distance.
-    words = (*key.words, *(["red: K > 0, blue: K < 0"] if of == "K" else []), "scale: at the middle of the surface")
-    curvature = result.curvature if of == "K" else None
-    return save(studio(*shape, curvature=curvature, width=PICTURE_WIDTH, key=key._replace(words=words)), path)
+    return save(studio(*shape, curvature=result.curvature if of == "K" else None, width=PICTURE_WIDTH, key=key), path)
 
 
 def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCProblem:

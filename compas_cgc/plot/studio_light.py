@@ -101,7 +101,7 @@ def studio(
     colours
         Tones of regions; adjacent regions have different tones.
     key
-        Unit, north and words of the key below the picture, see :func:`key_of`; lengths are those at the middle of the surface.
+        Unit, north and words of the key below the picture, see :func:`key_of`.
 
     Returns
     -------
@@ -131,7 +131,12 @@ def studio(
     view, F = view_named(view), np.asarray(faces, dtype=np.int64)
     surface = np.asarray(vertices, dtype=np.float64)[np.unique(F[real_faces(F, roles)])]
     scale = 72.0 / 200 * _camera(surface, view, surface, width).scale
-    add_key(ax, key or Key(), view_axes(view), KEY_AT * size, scale, size, 0.02)
+    key = key or Key()
+    colour = ["red: K > 0, blue: K < 0"] if curvature is not None else []
+    # In perspective, lengths depend on the distance.
+    perspective = ["scale: at the middle of the surface"] if np.isfinite(view.distance) else []
+    words = (*key.words, *colour, *perspective)
+    add_key(ax, key._replace(words=words), view_axes(view), KEY_AT * size, scale, size, 0.02)
     return figure
 
 
