@@ -12,7 +12,7 @@ from ..meshing.closest_points import feet_on_polyline
 from ..model.problem import CGCProblem
 from .patchwork import Patchwork
 
-__all__ = ["is_fourfold", "middles_of", "turned_pieces", "turns_onto_itself"]
+__all__ = ["centre_of", "is_fourfold", "middles_of", "turned_pieces", "turns_onto_itself"]
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 TOLERANCE = 0.01  # distance of a turned surface from itself, relative to its size, as pieces of meshes without symmetry differ
@@ -23,7 +23,8 @@ def turns_onto_itself(problem: CGCProblem) -> bool:
     """Return whether a quarter turn takes a surface, its edges, creases and targets to themselves, whatever its triangles are."""
     V, F = problem.vertices, problem.faces
     used = np.unique(F)
-    points = V[used] - _centre(V[used])
+    centre = centre_of(problem)
+    points = V[used] - centre
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     turned = points @ TURN.T
     distance, near = cKDTree(points).query(turned)
@@ -34,7 +35,7 @@ def turns_onto_itself(problem: CGCProblem) -> bool:
     if distance.max() > edge or off.max() > TOLERANCE * size or other.any():
         return False
     paths = [np.append(loop, loop[0]) for loop in boundary_loops(F)], problem.crease_paths()
-    return all(_on_lines([V[path] - _centre(V[used]) for path in own], TOLERANCE * size) for own in paths)
+    return all(_on_lines([V[path] - centre for path in own], TOLERANCE * size) for own in paths)
 
 
 def is_fourfold(middles: FloatArray, sizes: FloatArray, centre: FloatArray) -> bool:
@@ -62,10 +63,10 @@ def turned_pieces(own: Patchwork, problem: CGCProblem) -> dict[int, tuple[int, F
     """
     if not turns_onto_itself(problem):
         return {}
-    faces = own.space[own.faces].mean(axis=1) - _centre(problem.vertices[np.unique(problem.faces)])
-    plane = own.plane.mean(axis=1)
+    centre = centre_of(problem)
+    faces, plane = own.space[own.faces].mean(axis=1) - centre, own.plane.mean(axis=1)
     middles, sizes = middles_of(own)
-    arms = middles - _centre(problem.vertices[np.unique(problem.faces)])[:2]
+    arms = middles - centre[:2]
     found: dict[int, tuple[int, FloatArray]] = {}
     for piece in range(len(arms)):
         turn = np.eye(3)
@@ -87,8 +88,9 @@ def _rotation(points: FloatArray, images: FloatArray) -> FloatArray:
     return np.array([[cosine, -sine], [sine, cosine]]) / np.hypot(cosine, sine)
 
 
-def _centre(points: FloatArray) -> FloatArray:
-    """Return the middle in plan of the box around points (k, 3), at height 0 (3,)."""
+def centre_of(problem: CGCProblem) -> FloatArray:
+    """Return the middle in plan of the box around a surface, at height 0 (3,)."""
+    points = problem.vertices[np.unique(problem.faces)]
     return np.array([1.0, 1.0, 0.0]) * 0.5 * (points.min(axis=0) + points.max(axis=0))
 
 

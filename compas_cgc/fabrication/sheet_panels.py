@@ -17,6 +17,7 @@ from .panelling import grid_panels
 from .patchwork import Patchwork
 from .pieces import best_box
 from .pieces import contacts
+from .quarter_turn import centre_of
 from .quarter_turn import is_fourfold
 from .quarter_turn import middles_of
 from .quarter_turn import turns_onto_itself
@@ -63,7 +64,7 @@ def sheet_panels(
     """
     best: Optional[tuple[tuple[int, bool, int], Division]] = None
     fourfold = turns_onto_itself(problem)
-    centre = 0.5 * (problem.vertices.min(axis=0) + problem.vertices.max(axis=0))[:2]
+    centre = centre_of(problem)[:2]
     least = 1e-3 * shortest / metres(problem.drawing.units)
 
     def compare(largest: tuple[float, float], strips: bool = False) -> Optional[int]:
