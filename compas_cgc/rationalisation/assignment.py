@@ -34,7 +34,8 @@ STEPS, LINEARISATIONS = 3, 8  # of Newton's method after K has changed: steps wi
 CLOSE = 0.05  # deviation of K times the area, below which a surface has its K
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
-SOLVED, STARTS = 12, 4  # clusterings that are solved, and the nearest of them that are improved
+STARTS, SOLVED = 4, 3  # clusterings that are improved at most, and how many are solved to choose each
+EFFORT = 640  # panels of all starts together: with more panels a start takes longer, and clusterings differ less
 SAME = 0.01  # part of the panels, by which two clusterings differ that lead to the same surface
 ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
@@ -237,13 +238,14 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
     sensitivities = moves.sensitivities(np.zeros(len(moves.columns)), design)
     nearest = _nearest(sensitivities, moves.mass)
     given = [own for sample in (design, nearest) for own in _given(moves, moulds, sample)]
+    starts = max(1, min(STARTS, EFFORT // moves.panels))
     promising: list[Placed] = []
     for placed in sorted((_fitted(moves, sensitivities, own) for own in given), key=lambda placed: placed.norm):
         # Clusterings of many panels often end in the same classes.
-        if len(promising) < SOLVED and all(_moved(placed.assigned, other.assigned) > SAME * moves.panels for other in promising):
+        if len(promising) < SOLVED * starts and all(_moved(placed.assigned, other.assigned) > SAME * moves.panels for other in promising):
             promising.append(placed)
     solved = [_placed(moves, placed.assigned, placed.moves) for placed in promising]
-    return [evened(moves, placed) for placed in sorted(solved, key=lambda placed: placed.norm)[:STARTS]]
+    return [evened(moves, placed) for placed in sorted(solved, key=lambda placed: placed.norm)[:starts]]
 
 
 def _given(moves: NormalMoves, moulds: Moulds, sample: FloatArray) -> list[Assignment]:
