@@ -353,6 +353,7 @@ def test_the_seam_of_an_irregular_ring_is_straight_through_its_faces():
     assert within.area == pytest.approx(36.0, rel=1e-12) and within.seam_mismatch < 1e-12
 
 
+@pytest.mark.filterwarnings("error")
 def test_a_flat_surface_with_a_hole_needs_no_seam():
     vertices, faces = grid(6, 2.0)
     middle = vertices[faces].mean(axis=1)
