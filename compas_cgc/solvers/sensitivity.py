@@ -28,6 +28,8 @@ from ..linalg import factorise
 from ..model.goals import measures
 from ..model.goals.binding import bind
 from ..model.goals.binding import support_height
+from ..model.goals.binding import unknown_constants
+from ..model.goals.binding import without_constants
 from ..model.laws import ConstantCurvature
 from ..model.laws import Law
 from ..model.measures import read_across
@@ -197,7 +199,10 @@ def _by_bending(result: SolveResult, regions: Sequence[int]) -> dict[int, FloatA
     if result.start is None:
         raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
     settings = result.settings if isinstance(result.settings, PolishSettings) else PolishSettings()
-    return moves_by_constants(result.problem.with_vertices(result.start), settings, result.vertices, regions)
+    drawn = result.problem.with_vertices(result.start)
+    # Goals that unknown constants meet push nothing.
+    drawn = without_constants(drawn) if unknown_constants(drawn) else drawn
+    return moves_by_constants(drawn, settings, result.vertices, regions)
 
 
 def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool) -> dict[int, FloatArray]:

@@ -52,15 +52,19 @@ def takes_goals(problem: CGCProblem) -> bool:
 
 
 def move_directions(problem: CGCProblem) -> FloatArray:
-    """Return the unit vectors (n, 3) along which vertices move: the mean normal over a plan, else smoothed normals."""
+    """Return the unit vectors (n, 3) along which vertices move: the mean normal over a plan, or the vertical that goals refer to.
+
+    Without a plan they are smoothed normals.
+    """
     V, F = problem.vertices, problem.faces
     crosses = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     mean = crosses.sum(axis=0)
-    length = float(np.linalg.norm(mean))
+    axis = np.sign(mean) * [0.0, 0.0, 1.0] if problem.goals else mean
+    length = float(np.linalg.norm(axis))
     # Supports that were lifted off a plan leave cliffs around them.
     between = (problem.roles != FIXED)[F].all(axis=1)
-    if length > 0.0 and (crosses @ mean > FACING * between * length * np.linalg.norm(crosses, axis=1)).all():
-        return np.tile(mean / length, (len(V), 1))
+    if length > 0.0 and (crosses @ axis > FACING * between * length * np.linalg.norm(crosses, axis=1)).all():
+        return np.tile(axis / length, (len(V), 1))
     return smooth_normals(V, F, SMOOTHINGS)
 
 

@@ -74,6 +74,13 @@ def test_the_answer_does_not_depend_on_the_triangles(goals):
     assert fine == pytest.approx(regular, rel=2e-2)  # edges that supports push and pull converge more slowly
 
 
+def test_edges_of_a_leaning_drawing_stay_over_their_lines():
+    drawn = roof(12)
+    leaning = drawn.with_vertices(drawn.vertices + np.outer(0.2 * drawn.vertices[:, 0], [0, 0, 1]))
+    V = solved(leaning, Above(0.0)).vertices
+    assert np.abs(V[:, :2] - drawn.vertices[:, :2]).max() < 1e-12
+
+
 def test_the_crown_of_a_surface_of_given_area_is_of_second_order():
     crowns = [float(solved(roof(n), Area(240.0)).vertices[:, 2].max()) for n in (8, 16, 32)]
     assert np.log2((crowns[1] - crowns[0]) / (crowns[2] - crowns[1])) > 1.8
