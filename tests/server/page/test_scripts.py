@@ -144,11 +144,26 @@ def test_sentences_have_no_words_for_scripts(hands):
     sentences = [in_request_words(said) for said in check(mesh.to_problem())]
     mesh.set_supports("boundary")
     sentences += [in_request_words(said) for said in check(mesh.to_problem())]
+    assert hands.read("const { capital } = await import('/page/words.js'); return capital(args[0])", "from -0.2 (-3 m) to x-2, 1e-3") == (
+        "From −0.2 (−3 m) to x-2, 1e-3."
+    )
     sentences += ["take another mesh; unify them (mesh.unify())", "give an edge length (--edge-length) to mesh the outline"]
     said = hands.read("const { capital } = await import('/page/words.js'); return args[0].map(capital)", sentences)
     assert len(said) >= 4 and all(text[0].isupper() and text.endswith(".") for text in said)
     for text in said:
         assert not any(sign in text for sign in ("mesh.", "--", "set_", "()", " as targets")), text
+
+
+def test_a_number_fits_into_its_field_and_keeps_its_digits(hands):
+    values = [0.008, -0.000054134567, 0.0123456789, 123.456789, -1e-9, 0]
+    shown, kept = hands.read(
+        "const { Regions } = await import('/page/regions.js'); const room = document.createElement('div');"
+        "const regions = new Regions(room, { change() {}, over() {}, name() {}, colour() {} });"
+        "regions.show({ nameOf: String, colourOf: () => '#888888', reach: () => 200, areas: [], laws: {}, unit: 'm', targets: args[0] });"
+        "return [regions.rows.slice(1).map(({ number }) => number.value), regions.targets]",
+        values,
+    )
+    assert shown == ["0.008", "-5.41e-5", "0.01235", "123.5", "-1e-9", "0"] and kept == values
 
 
 def test_many_regions_are_grouped(hands):

@@ -3,6 +3,8 @@
 import { unpack } from './packed.js';
 import { capital } from './words.js';
 
+/** What is said while the server does not respond. */
+export const LOST = 'The server does not respond. Trying again …';
 const KEY = 'compas_cgc.key';
 const RETRY = 1000; // time between two attempts to reach the server [ms]
 const [SHOWN, WAIT] = [0.5, 20]; // time between two requests for the status of a job with and without a display [s]

@@ -1,5 +1,6 @@
 /** The largest feasible K for the supports, computed by the server and marked on the sliders. */
 
+import { LOST } from './api.js';
 import { capital } from './words.js';
 
 const TOLERANCE = 0.05; // relative accuracy of the limit, comparable to the resolution of a slider
@@ -37,7 +38,9 @@ export class Limit {
     this.said.hidden = false;
     try {
       const { unknown, method, settings, ...problem } = this.request();
-      const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: TOLERANCE } }, search.signal);
+      const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: TOLERANCE } }, search.signal, {
+        lost: () => this.search === search && (this.said.textContent = LOST),
+      });
       this.api.forget(found.id).catch(() => {});
       if (this.search !== search) return null;
       this.regions.mark(found.status === 'found' ? this.regions.targets.map((K) => (K ? K * found.factor : null)) : null);

@@ -5,6 +5,7 @@ import { readable, roundAbove } from './numbers.js';
 
 const STEPS = 200; // steps of a slider on each side of zero
 const SNAP = 5; // steps around zero that snap to zero under a pointer
+const FITTING = 8; // characters that fit into a field
 const MANY = 12; // number of regions above which they are grouped
 
 /** The rows of the regions, and one for all of them together. */
@@ -206,8 +207,7 @@ export class Regions {
       const first = leading(regions.map((region) => this.targets[region]));
       const K = this.targets[regions[first]];
       const same = values.size === 1 && K !== null && !this.hasLaw(regions);
-      // A computed K has more digits than fit in the field.
-      showNumber(number, !same ? '' : number.disabled ? Number(K.toPrecision(3)) : K);
+      showNumber(number, same ? shortened(K) : '');
       number.placeholder = same || this.hasLaw(regions) ? '' : 'various';
       slider.value = Math.round(((K ?? 0) / reach) * STEPS);
       radius.textContent = same ? shape(K, this.model.unit) : K === null || this.hasLaw(regions) ? '' : 'in proportion';
@@ -244,6 +244,12 @@ function leading(targets) {
 function proportion(targets) {
   const most = targets[leading(targets)];
   return targets.map((K) => (most ? K && K / most : 1));
+}
+
+/** Return K in a text that fits into its field, with four digits or three if not all fit. The target itself keeps all. */
+function shortened(K) {
+  const texts = [String(K), String(Number(K.toPrecision(4))), String(Number(K.toPrecision(3)))];
+  return texts.find((text) => text.length <= FITTING) ?? K.toExponential(2);
 }
 
 function shape(K, unit) {

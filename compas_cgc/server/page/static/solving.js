@@ -1,5 +1,6 @@
 /** A solve: its request, progress and displayed surface. */
 
+import { LOST } from './api.js';
 import { Charts } from './charts.js';
 import { asked } from './design/goals.js';
 import { download } from './download.js';
@@ -148,7 +149,7 @@ export class Solving {
 
   /** Called by the solver while the server does not respond. */
   lost() {
-    $('progress').textContent = 'The server does not respond. Trying again …';
+    $('progress').textContent = LOST;
     $('progress').hidden = $('cancel').hidden = false;
   }
 

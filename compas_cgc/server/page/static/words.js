@@ -13,6 +13,8 @@ const SAID = [
   [/; install it: pip install '[^']*'/g, '; the administrator of the server can install it'],
 ];
 
+const MINUS = /(?<=^|[\s(])-(?=\d)/g; // hyphens that are signs of numbers
+
 /**
  * Return a message without terms for scripts and command lines.
  * @param {string} text
@@ -37,6 +39,6 @@ export function capitalised(text) {
  * @returns {string}
  */
 export function capital(text) {
-  const trimmed = plain(text).trim();
+  const trimmed = plain(text).trim().replace(MINUS, '−');
   return capitalised(trimmed) + (/[.!?…]$/.test(trimmed) ? '' : '.');
 }

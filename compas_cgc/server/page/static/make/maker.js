@@ -1,5 +1,6 @@
 /** Builds from a solved surface: moulds, flat patterns, forces and nets, each a job of the server. */
 
+import { LOST } from '../api.js';
 import { hand } from '../download.js';
 import { labelled, valueOf } from '../settings.js';
 import { capital } from '../words.js';
@@ -101,7 +102,9 @@ export class Maker {
     const settings = Object.fromEntries(given.map((field) => [field.name, valueOf(field)]));
     if (this.source.rough()) settings.rough = true;
     try {
-      const told = await this.api.build({ task: task.name, job, settings }, abort.signal);
+      const told = await this.api.build({ task: task.name, job, settings }, abort.signal, {
+        lost: () => this.abort === abort && (this.said.textContent = LOST),
+      });
       if (this.abort !== abort) return;
       this.made = told;
       const [first, ...rest] = told.text.split('\n');

@@ -1,10 +1,11 @@
 /** The dialog that takes a freeform design to panels on few moulds. */
 
+import { LOST } from '../api.js';
 import { hand } from '../download.js';
 import { numberOf, showNumber } from '../fields.js';
 import { duration } from '../numbers.js';
 import { capital } from '../words.js';
-import { asMillimetres, figuresOf, limitOf, mouldColour, mouldsOf, reportOf } from './found.js';
+import { lengthScale, figuresOf, limitOf, mouldColour, mouldsOf, reportOf } from './found.js';
 import { drawPlan, isUpwards } from './plan.js';
 import { Stops } from './stops.js';
 import { Views } from './views.js';
@@ -141,9 +142,10 @@ export class Rationaliser {
   /** Settings of the job in the fields. */
   get settings() {
     const { panel, within, moulds, aim, seams, supports, tolerance, flat } = this.fields;
-    const given = { panel: numberOf(panel) || null, tolerance: numberOf(tolerance) || null, seams: seams.value, supports: supports.value, flat: { yes: true, no: false }[flat.value] };
-    const aims = aim.value === 'count' ? { moulds: Number(moulds.value) } : { within: numberOf(within) || null };
-    return Object.fromEntries(Object.entries({ ...given, ...aims }).filter(([, value]) => value !== null && value !== undefined && value !== ''));
+    const given = { panel: numberOf(panel), tolerance: numberOf(tolerance), seams: seams.value, supports: supports.value, flat: { yes: true, no: false }[flat.value] };
+    const aims = aim.value === 'count' ? { moulds: Number(moulds.value) } : { within: numberOf(within) };
+    // Numbers of empty fields are NaN.
+    return Object.fromEntries(Object.entries({ ...given, ...aims }).filter(([, value]) => value || value === false || value === 0));
   }
 
   /** Show the fields of the aim. */
@@ -196,7 +198,7 @@ export class Rationaliser {
       const told = await this.api.buildFrom(file, kind, options, run.abort.signal, {
         begun: (id) => (run.id = id),
         progress: (status) => this.run === run && this.progress(status),
-        lost: () => this.run === run && this.say('The server does not respond. Trying again …'),
+        lost: () => this.run === run && this.say(LOST),
       });
       if (this.run !== run) return;
       // One that was stopped is not the result of its settings.
@@ -300,7 +302,7 @@ export class Rationaliser {
     const panels = drawPlan(this.$('panels'), told, 'moulds', unit);
     drawPlan(this.$('distances'), told, 'distance', unit);
     this.$('panels').ariaLabel = `${panels} of ${told.panels} panels in the colours of ${told.moulds} moulds`;
-    const length = asMillimetres(unit, limitOf(told));
+    const length = lengthScale(unit, limitOf(told));
     const side = { Plan: `, red ${isUpwards(told) ? 'above' : 'below'}`, Elevation: ', red in front' }[panels] ?? '';
     this.$('distances').ariaLabel = `${panels} of the distance from the design, largest ${length.text(told.distance.max)}`;
     this.$('panels-head').textContent = `${panels}: panels by mould`;

@@ -45,7 +45,7 @@ export function mouldsOf(curvatures, unit) {
  * @param {number} size the largest of them
  * @returns {{factor: number, unit: string, text: (length: number) => string}}
  */
-export function asMillimetres(unit, size) {
+export function lengthScale(unit, size) {
   const small = unit === 'm' && size < SMALL;
   const [factor, own] = small ? [1000, 'mm'] : [1, unit];
   return { factor, unit: own, text: (length) => `${readable(factor * length)}${own ? ` ${own}` : ''}` };
@@ -68,7 +68,7 @@ export function limitOf(told) {
  */
 export function figuresOf(told, unit) {
   const { distance, kinks, status, verdict, within } = told;
-  const length = asMillimetres(unit, distance.max);
+  const length = lengthScale(unit, distance.max);
   const angle = (value) => `${readable(Math.max(0, value), 2)}°`;
   const head = `${told.panels} panels on ${told.moulds} mould${told.moulds === 1 ? '' : 's'}`;
   const fair = verdict === 'fair';

@@ -1,7 +1,7 @@
 /** Plans of a rationalised design. */
 
 import { signedColour } from '../colours.js';
-import { asMillimetres, limitOf, mouldColour } from './found.js';
+import { lengthScale, limitOf, mouldColour } from './found.js';
 
 const MARGIN = 10; // around the surface [pixel]
 const FOOT = 36; // room for the scale bar and the legend [pixel]
@@ -73,7 +73,7 @@ function drawBar(pen, { width, height, scale, unit, colour }) {
   const longest = (BAR_PART * width) / scale;
   const decade = 10 ** Math.floor(Math.log10(longest));
   const length = BAR.map((own) => own * decade).findLast((own) => own <= longest);
-  const { text } = asMillimetres(unit, length);
+  const { text } = lengthScale(unit, length);
   const [x, y] = [width - MARGIN - scale * length, height - 6.5];
   pen.strokeStyle = pen.fillStyle = colour;
   pen.lineWidth = 1;

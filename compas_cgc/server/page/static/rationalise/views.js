@@ -2,7 +2,7 @@
 
 import { Legend } from '../legend.js';
 import { Model } from '../model.js';
-import { asMillimetres, limitOf, mouldColour } from './found.js';
+import { lengthScale, limitOf, mouldColour } from './found.js';
 
 const PLAIN = '#cfc8ba'; // colour of the design
 const SEAM = 1.3; // width of seams [pixel]
@@ -109,6 +109,6 @@ export class Views {
 
 function showLegend(legend, told, unit) {
   const limit = limitOf(told);
-  const length = asMillimetres(unit, limit);
+  const length = lengthScale(unit, limit);
   legend.show(`Distance from the design${length.unit ? ` in ${length.unit}` : ''}`, length.factor * limit, false);
 }
