@@ -106,7 +106,7 @@ def _rationalised(design: Union[CGCProblem, GivenDesign], settings: Mapping[str,
     from ...rationalisation.run import Progress
 
     def watch(state: Progress) -> bool:
-        report({"task": "rationalise", "stage": "build", "step": state.done, "steps": state.rounds, "distance": state.distance})
+        report({"task": "rationalise", "stage": "assign", "step": state.done, "steps": state.rounds, "distance": state.distance})
         return stop_wanted()
 
     given = {"moulds": None if "within" in settings else 4, **settings}

@@ -107,6 +107,8 @@ def test_a_design_becomes_a_roof_of_few_moulds(open_server, tmp_path, roof, brow
         hands.click("#rationalise-aim [value=within] + span")
         hands.fill("[name=within]", "0,5")
         wait_for(lambda: "on 1 mould" in hands.text(HEAD) and "500 mm" in figure(hands, 2), what="the distance is not kept")
+        bars = "return [...document.querySelectorAll('#rationalise-stops i:not([hidden])')].map((bar) => bar.nextSibling.textContent)"
+        assert hands.read(bars) == ["1", "2", "4"]
         for format, ending in (("3dm", "panels.3dm"), ("json", "moulds.json")):
             hands.click(f"#rationalise-files [data-format='{format}']")
             wait_for(lambda ending=ending: [own for own in tmp_path.glob(f"hall {ending}") if own.stat().st_size], what=f"no {ending}")

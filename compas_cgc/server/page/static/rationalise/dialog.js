@@ -3,16 +3,16 @@
 import { LOST } from '../api.js';
 import { hand } from '../download.js';
 import { numberOf, showNumber } from '../fields.js';
+import { Legend } from '../legend.js';
 import { duration } from '../numbers.js';
 import { capital } from '../words.js';
-import { lengthScale, figuresOf, limitOf, mouldColour, mouldsOf, reportOf } from './found.js';
+import { figuresOf, lengthScale, limitOf, mouldColour, mouldsOf, reportOf } from './found.js';
 import { drawPlan, isUpwards } from './plan.js';
 import { Stops } from './stops.js';
-import { Views } from './views.js';
+import { Views, showDistances } from './views.js';
 
 const PANELS = 12; // along the longer side by default, as on the server
 const PAUSE = 400; // time after the last change of the slider before it solves [ms]
-const FIRST = 3; // steps that the server reports before the rounds of the assignment
 const LARGEST = 64 * 2 ** 20; // bytes
 
 /** @typedef {any} Told result of a rationalisation: its report, and the surface with its panels */
@@ -49,6 +49,7 @@ export class Rationaliser {
     this.form = $('form');
     this.fields = this.form.elements;
     this.stops = new Stops($('stops'));
+    this.legend = new Legend($('distances-legend'));
     $('file').addEventListener('change', ({ target }) => {
       const [file] = target.files;
       if (file) this.take(file);
@@ -249,7 +250,8 @@ export class Rationaliser {
 
   /** Delete all results on the server. */
   forget() {
-    for (const { id } of this.results.values()) this.api.forget(id).catch(() => {});
+    // The result of a job that was stopped is shown, but not kept.
+    for (const { id } of new Set([...this.results.values(), ...(this.shown ? [this.shown] : [])])) this.api.forget(id).catch(() => {});
     this.results.clear();
     this.shown = null;
   }
@@ -263,10 +265,12 @@ export class Rationaliser {
   present(told) {
     const { unit } = this.design.surface;
     this.shown = told;
-    this.stops.show(this.tried(told));
-    if (told.moulds <= Number(this.fields.moulds.max)) this.fields.moulds.value = told.moulds;
-    this.$('number').textContent = this.fields.moulds.value;
-    this.stops.choose(told.moulds);
+    const { aim, moulds } = this.fields;
+    // A result may have fewer moulds than were allowed: the slider keeps the number that was set.
+    if (aim.value === 'within') moulds.value = told.moulds;
+    this.stops.show(this.tried());
+    this.stops.choose(Number(moulds.value));
+    this.$('number').textContent = moulds.value;
     const figures = figuresOf(told, unit);
     const verdict = this.$('verdict');
     verdict.className = `verdict ${figures.kind}`;
@@ -275,23 +279,24 @@ export class Rationaliser {
     verdict.querySelector('p').hidden = !figures.text;
     this.$('figures').replaceChildren(...figures.rows.flatMap(([name, value]) => [textOf('dt', name), textOf('dd', value)]));
     this.$('radius').textContent = unit ? `in ${unit}` : '';
-    const moulds = mouldsOf(told.curvatures, unit);
-    this.$('K').textContent = moulds.unit;
-    this.$('moulds').replaceChildren(...moulds.rows.map((mould, k) => rowOf(mould, k, told.panels_per_class[k])));
+    const { unit: per, rows } = mouldsOf(told.curvatures, unit);
+    this.$('K').textContent = per;
+    this.$('moulds').replaceChildren(...rows.map((mould, k) => rowOf(mould, k, told.panels_per_class[k])));
     this.notes(told.notes);
     this.$('results').hidden = false;
     this.$('plans').hidden = false;
     this.$('tools').hidden = false;
-    this.views.result(this.design.name, unit, told);
-    this.views.colour(this.fields['rationalise-colours'].value);
+    this.views?.result(this.design.name, unit, told);
+    this.views?.colour(this.fields['rationalise-colours'].value);
     this.draw();
   }
 
-  /** Return the largest distances by number of moulds, of a result and of those that differ from it only by this number. */
-  tried(shown) {
-    const rest = (settings) => JSON.stringify({ ...settings, moulds: 0, within: 0 });
-    const alike = [...this.results].filter(([key]) => rest(JSON.parse(key)) === rest(this.settings));
-    return new Map([...alike.map(([, told]) => told), shown].map((told) => /** @type {[number, number]} */ ([told.moulds, told.distance.max])));
+  /** Return the largest distances by number of moulds, of results with the present settings but for this number. */
+  tried() {
+    const rest = (/** @type {any} */ { moulds, within, ...own }) => JSON.stringify(own);
+    const found = [...this.results].map(([key, told]) => ({ settings: JSON.parse(key), told }));
+    const alike = found.filter(({ settings }) => rest(settings) === rest(this.settings));
+    return new Map(alike.map(({ settings, told }) => [settings.moulds ?? told.moulds, told.distance.max]));
   }
 
   /** Draw the plans. */
@@ -307,7 +312,7 @@ export class Rationaliser {
     this.$('distances').ariaLabel = `${panels} of the distance from the design, largest ${length.text(told.distance.max)}`;
     this.$('panels-head').textContent = `${panels}: panels by mould`;
     this.$('distances-head').textContent = `${panels}: distance from the design${length.unit ? ` in ${length.unit}` : ''}${side}`;
-    this.views.legends(told, unit, this.$('distances-legend'));
+    showDistances(this.legend, told, unit);
   }
 
   /** Highlight the panels of a row of the table. */
@@ -384,8 +389,7 @@ export class Rationaliser {
 /** Return what a job does, and the part of the assignment that is done. */
 function stageOf({ state, stage, iteration, iterations }) {
   if (state === 'queued') return { text: 'Waiting in the queue', part: null };
-  // The server reports the rounds after its own first steps.
-  if (stage !== 'build' || !(iterations > FIRST)) return { text: 'Dividing the design into panels', part: null };
+  if (stage !== 'assign') return { text: 'Dividing the design into panels', part: null };
   if (iteration >= iterations) return { text: 'Solving the surface', part: null };
   return { text: `Assigning panels, round ${iteration} of at most ${iterations}`, part: iteration / iterations };
 }

@@ -32,7 +32,6 @@ export class Views {
     this.scene = scene;
     this.legend = legend;
     this.told = null;
-    this.flat = null;
   }
 
   /**
@@ -83,20 +82,9 @@ export class Views {
     if (!this.told) return;
     if (by === 'distance') this.scene.surface.colourValues(this.told.distances, limitOf(this.told));
     else this.scene.surface.colourRegions();
-    if (by === 'distance') showLegend(this.legend, this.told, this.unit);
+    if (by === 'distance') showDistances(this.legend, this.told, this.unit);
     else this.legend.say('');
     this.scene.draw();
-  }
-
-  /**
-   * Show the legend of the plan of distances.
-   * @param {import('./dialog.js').Told} told
-   * @param {string} unit
-   * @param {HTMLElement} room
-   */
-  legends(told, unit, room) {
-    this.flat ??= new Legend(room);
-    showLegend(this.flat, told, unit);
   }
 
   /** @param {number[]} moulds whose panels are highlighted */
@@ -107,7 +95,13 @@ export class Views {
   }
 }
 
-function showLegend(legend, told, unit) {
+/**
+ * Show the legend of the distances from the design.
+ * @param {Legend} legend
+ * @param {import('./dialog.js').Told} told
+ * @param {string} unit
+ */
+export function showDistances(legend, told, unit) {
   const limit = limitOf(told);
   const length = lengthScale(unit, limit);
   legend.show(`Distance from the design${length.unit ? ` in ${length.unit}` : ''}`, length.factor * limit, false);
