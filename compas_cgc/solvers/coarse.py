@@ -21,6 +21,7 @@ from ..model.constraints import Fixed
 from ..model.constraints import PositionConstraint
 from ..model.constraints import Proximity
 from ..model.goals.inequalities import Bound
+from ..model.goals.wholes import Length
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import Whole
 from ..model.laws import Law
@@ -105,7 +106,8 @@ def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
     Returns
     -------
     Coarse or None
-        None where there is none to be had: the drawing has no plan, or lines are too close for so few vertices.
+        None where there is none to be had: the drawing has no plan, lines are too close for so few vertices, or a path whose length is
+        prescribed would lose some.
     """
     return _laid_out(problem, count, LARGEST, True)
 
@@ -134,6 +136,9 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     step = math.sqrt(area / count * 2.0 / math.sqrt(3.0))
     found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step)
     if found is None or len(found.kept) + len(found.within) > largest * len(V):
+        return None
+    paths = [own.vertices for own in problem.goals if isinstance(own, Length)]
+    if not all(np.isin(path, found.kept).all() for path in paths):
         return None
     labels = problem.regions()
     belongs = np.zeros((len(V), labels.max() + 1), bool)
