@@ -50,7 +50,10 @@ from .stock import stock_of
 __all__ = ["unroll"]
 
 MAX_SHEET_RATIO = 20.0  # sheet width over the size of the surface above which the units probably differ
-MITRE_ROOM = 1.5  # widths of the strip around pieces that rows leave free at each side: room for mitres of corners from 67 degrees
+MITRE_ROOMS = (
+    1.5,
+    2.0,
+)  # widths of the strip around pieces that rows leave free at each side: room for mitres of corners from 67, 53 degrees
 EDGE_TOLERANCE = 1e-9  # tolerance at the edges of a sheet, relative to it
 
 
@@ -186,19 +189,28 @@ def unroll(
     def cut(own: Patchwork) -> Patchwork:
         return cut_to_fit(own, room, flattened, too_wide, taken, refuse, None if grain is None else along, least)
 
+    def in_fitting_rows(whole_parts: Patchwork) -> Patchwork:
+        grains = None if grain is None else np.array([along(whole_parts, piece) for piece in range(int(whole_parts.piece.max()) + 1)])
+        turned = None if grains is not None else turned_pieces(whole_parts, problem)
+        tried = list[Patchwork]()
+        for mitre in MITRE_ROOMS:
+            inside = room[0] - 2.0 * mitre * stock.strip, room[1] - 2.0 * mitre * stock.strip
+            rows = in_rows(whole_parts, inside, (stock.spacing or 0.0) + 2.0 * stock.strip, least, grains, turned)
+            tried.append(cut(rows))
+            # Sharp mitres need more room where rows had to be cut again.
+            if tried[-1].piece.max() == rows.piece.max():
+                break
+        return min(tried, key=lambda own: int(own.piece.max()))
+
     room = stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)
     least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
     try:
         divided = stock.sheet is not None and not kept and panels is None
-        if divided and len(curved) == len(chosen) and seams is None:
+        gridded = divided and len(curved) == len(chosen) and seams is None
+        if gridded:
             panels = sheet_panels(problem, chosen, stock, shortest, taken, too_wide, cut)
             flat, cuts, unrollings = (flat, cuts, unrollings) if panels is None else developed_panels(problem, panels, chosen)
-        elif divided:
-            grains = None if grain is None else np.array([along(flat, piece) for piece in range(int(flat.piece.max()) + 1)])
-            inside = room[0] - 2.0 * MITRE_ROOM * stock.strip, room[1] - 2.0 * MITRE_ROOM * stock.strip
-            turned = None if grains is not None else turned_pieces(flat, problem)
-            flat = in_rows(flat, inside, (stock.spacing or 0.0) + 2.0 * stock.strip, least, grains, turned)
-        own = on_sheets(cut(flat), stock, truth(shapes, "shapes"))
+        own = on_sheets(in_fitting_rows(flat) if divided and not gridded else cut(flat), stock, truth(shapes, "shapes"))
     except ValueError as error:
         raise CGCError(str(error)) from None
     ruled = [one.region for one in unrollings if one.unrolled] if rulings != 0 else []
