@@ -11,6 +11,7 @@ from ..meshing.existence import plane_of
 from .goals.binding import finds_constants
 from .goals.binding import unknown_regions
 from .laws import Law
+from .measures import has_free_edges
 from .problem import CGCProblem
 from .roles import FIXED
 
@@ -24,14 +25,16 @@ def law_problems(problem: CGCProblem) -> list[Diagnostic]:
     if not problem.laws:
         return []
     problems = []
-    if problem.goals and not finds_constants(problem):
+    regions, unknown = problem.regions(), unknown_regions(problem)
+    # Within a held rim known laws leave goals no choice.
+    sought = bool(unknown) or (bool(problem.goals) and not has_free_edges(problem))
+    if sought and not finds_constants(problem):
         text = (
-            "beside laws other than constant K, goals are heights of vertices, or the height, rise, volume, area or length of the whole "
-            "surface, at most one for each region whose constant is unknown (unknown=[region], --unknown, or the goal Unknown); the "
-            "constant drawn there, such as 0.1 of H = 0.1, is the initial guess and must not be 0"
+            "beside laws other than constant K, heights of vertices and goals of the whole surface are at most one for each region whose "
+            "constant is unknown (unknown=[region], --unknown, or the goal Unknown), unless edges are free; the constant drawn there, such as "
+            "0.1 of H = 0.1, is the initial guess and must not be 0"
         )
         problems.append(Diagnostic(text))
-    regions, unknown = problem.regions(), unknown_regions(problem)
     for region, law in problem.laws.items():
         if region in unknown:
             continue

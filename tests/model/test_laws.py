@@ -169,11 +169,13 @@ def test_more_pressure_than_a_plane_boundary_carries_is_refused():
     assert check(mesh) == []
 
 
-def test_goals_beside_laws_need_an_unknown_constant():
+def test_goals_beside_laws_need_an_unknown_constant_or_free_edges():
     problem = _two_regions().to_problem().with_laws({1: "H = 0.01"}).with_goals([{"kind": "rise", "rise": 1.0}])
     assert isinstance(problem, CGCProblem)
-    assert any("whose constant is unknown" in text for text in check(problem))
-    assert not any(text.fatal for text in check(problem.with_goals([{"kind": "unknown", "regions": [1]}])))
+    held = problem.with_supports("boundary")
+    assert any("whose constant is unknown" in text for text in check(held))
+    assert not any(text.fatal for text in check(held.with_goals([{"kind": "unknown", "regions": [1]}])))
+    assert not any(text.fatal for text in check(problem.with_supports("corners")))
 
 
 def test_a_file_carries_laws_as_text_dots(tmp_path):

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compas_cgc import ConstantMeanCurvature
 from compas_cgc import sensitivity
 from compas_cgc import solve
 from compas_cgc.errors import ProblemError
@@ -110,6 +111,12 @@ def test_a_side_that_is_not_reached_changes_nothing():
     site = Within([(-5, -5), (20, -5), (20, 20), (-5, 20)])
     plain, free = solved(roof()), solved(roof(), Below(20.0), Above(-5.0), site)
     assert np.abs(plain.vertices - free.vertices).max() < 1e-12
+
+
+def test_other_laws_meet_goals_too():
+    result = solve(roof(), laws=ConstantMeanCurvature(0.05), goals=[Below(2.8), Height([7], 0.9)])
+    assert result.converged and result.verdict.fair and result.max_error < 1e-12
+    assert result.vertices[:, 2].max() == pytest.approx(2.8, abs=1e-9) and result.vertices[7, 2] == pytest.approx(0.9, abs=1e-11)
 
 
 def test_saddles_stay_above_a_height():
