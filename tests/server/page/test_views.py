@@ -66,7 +66,7 @@ def test_all_views(server, tmp_path, browser, width, dark):
         hands.fill("#key-field", KEY)
         hands.seen(".example")
         look("first")
-        hands.read(GIVE, "roof", "off", "nothing")
+        hands.read(GIVE, "roof", "dae", "nothing")
         hands.seen("#trouble")
         look("refused")
 
