@@ -31,8 +31,8 @@ def law_problems(problem: CGCProblem) -> list[Diagnostic]:
     if sought and not finds_constants(problem):
         text = (
             "beside laws other than constant K, heights of vertices and goals of the whole surface are at most one for each region whose "
-            "constant is unknown (unknown=[region], --unknown, or the goal Unknown), unless edges are free; the constant drawn there, such as "
-            "0.1 of H = 0.1, is the initial guess and must not be 0"
+            "constant is unknown (unknown=[region], --unknown, or the goal Unknown), unless edges are free; the constant drawn there, such "
+            "as 0.1 of H = 0.1, is the initial guess and must not be 0"
         )
         problems.append(Diagnostic(text))
     for region, law in problem.laws.items():

@@ -81,8 +81,7 @@ class Conditions:
         self._kept = np.asarray(abs(met.slopes).sum(axis=1)).ravel()[met.one_sided] > NONE
         self.can_be_met = (
             all(isinstance(own, (Whole, Bound, PositionConstraint)) for own in problem.goals)
-            and all(self._is_reached(own, V[at], at) for own, at in self._places)
-            and bool((np.abs(met.places[~self._placed]) <= NONE).all())
+            and all((_place(own, V[at], self._directions[at])[2] <= NONE).all() for own, at in self._places)
             and bool((met.values[met.one_sided][~self._kept] >= -NONE).all())
         )
         self.vertices, self._touching = self.vertices[self._placed], self._touching[self._kept]
@@ -103,7 +102,7 @@ class Conditions:
         if self._nothing is not None:
             return self._nothing
         V, D, n = vertices, self._directions, len(vertices)
-        placed = [(np.zeros(0), np.zeros((0, 2))), *(_place(own, V[at], D[at]) for own, at in self._places)]
+        placed = [(np.zeros(0), np.zeros((0, 2))), *(_place(own, V[at], D[at])[:2] for own, at in self._places)]
         places, place_slopes = (np.concatenate(parts)[self._placed] for parts in zip(*placed))
         whole = np.array([own.value(V) - own.wanted for own in self._quantities], dtype=np.float64)
         gradients = np.array([np.einsum("ni,ni->n", own.gradient(V), D) for own in self._quantities]).reshape(len(whole), n)
@@ -134,16 +133,6 @@ class Conditions:
         found = (behind > 0.0) & (behind >= most[self._touching])
         return np.concatenate([np.zeros(len(self._quantities), bool), found])
 
-    def _is_reached(self, place: PositionConstraint, points: FloatArray, at: IntArray) -> bool:
-        """Return whether moves along the directions lead vertices to their places."""
-        closest, normal = place.closest_points(points)
-        along, away = np.einsum("kij,kj->ki", normal, self._directions[at]), points - closest
-        if isinstance(place, Level):
-            return bool(np.abs(np.hstack([along, away[:, :2]])).max(initial=0.0) <= NONE)
-        unit = along / np.maximum(np.linalg.norm(along, axis=1), NONE)[:, None]
-        across = away - np.einsum("ki,ki->k", away, unit)[:, None] * unit
-        return bool(np.abs(across).max(initial=0.0) <= NONE)
-
 
 def _rows(at: IntArray, values: FloatArray, n: int) -> sparse.csr_matrix:
     """Return rows (k, n) with one value (k,) each, at a vertex (k,)."""
@@ -157,17 +146,19 @@ def _pairs(place: PositionConstraint, at: IntArray) -> IntArray:
     return np.column_stack([at, np.full(len(at), -1)])
 
 
-def _place(place: PositionConstraint, points: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the distances (k,) of points (p, 3) from a place along directions (p, 3), and their slopes (k, 2)."""
+def _place(place: PositionConstraint, points: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the distances (k,) of points (p, 3) from a place along directions (p, 3), their slopes (k, 2), and those aside (p,)."""
+    closest, normal = place.closest_points(points)
+    along, away = np.einsum("kij,kj->ki", normal, directions), points - closest
     if isinstance(place, Level):
         # Heights equal to their mean are one condition fewer than vertices.
         up = directions[:, 2]
-        return np.diff(points[:, 2]), np.column_stack([up[1:], -up[:-1]])
-    closest, normal = place.closest_points(points)
-    along, away = np.einsum("kij,kj->ki", normal, directions), points - closest
+        aside = np.abs(np.hstack([along, away[:, :2]])).max(axis=1)
+        return np.diff(points[:, 2]), np.column_stack([up[1:], -up[:-1]]), aside
     size = np.linalg.norm(along, axis=1)
-    towards = np.einsum("ki,ki->k", away, along) / np.maximum(size, NONE)
-    return np.where(size > NONE, towards, np.linalg.norm(away, axis=1)), np.column_stack([size, np.zeros_like(size)])
+    unit = along / np.maximum(size, NONE)[:, None]
+    distance = np.einsum("ki,ki->k", away, unit)
+    return distance, np.column_stack([size, np.zeros_like(size)]), np.linalg.norm(away - distance[:, None] * unit, axis=1)
 
 
 def _beside_crowns(problem: CGCProblem) -> Iterator[tuple[Bound, IntArray]]:

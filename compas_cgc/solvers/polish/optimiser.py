@@ -160,8 +160,7 @@ def _closed_in(
 
 def regularisation(lagrangian: Lagrangian) -> FloatArray:
     """Return D (r + k,)."""
-    cells = lagrangian.cells * lagrangian.scales
-    return REGULARISATION * np.append(cells, np.full(lagrangian.count - len(cells), cells.mean()))
+    return REGULARISATION * np.append(lagrangian.scales * lagrangian.cells, np.ones(len(lagrangian.conditions.vertices)))
 
 
 def _factors(
