@@ -14,6 +14,7 @@ from .arrays import Faces
 from .arrays import Indices
 from .arrays import Mask
 from .arrays import MeshError
+from .arrays import PerVertex
 from .arrays import Vertices
 from .arrays import mesh_arrays
 
@@ -26,6 +27,14 @@ def within_rings(faces: Faces, vertices: Mask, rings: int) -> Mask:
     for _ in range(rings):
         near[faces[near[faces].any(axis=1)]] = True
     return near
+
+
+def tops(values: PerVertex, edges: Edges) -> Mask:
+    """Return the mask of vertices (n,) whose value (n,) no neighbour along edges (e, 2) exceeds."""
+    most = values.copy()
+    for one, other in (edges.T, edges[:, ::-1].T):
+        np.maximum.at(most, one, values[other])
+    return values >= most
 
 
 def _scrambled(i: Indices) -> NDArray[np.uint64]:

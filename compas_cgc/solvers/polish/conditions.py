@@ -13,6 +13,7 @@ from ...discrete import edge_faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
+from ...discrete.topology import tops
 from ...model.constraints import Height
 from ...model.constraints import PositionConstraint
 from ...model.goals.binding import bind
@@ -68,8 +69,7 @@ class Conditions:
         self._quantities = goals.equations
         self._places = [(own, np.asarray(own.vertices, np.int64)) for own in goals.places]
         self._sides = [*((own.goal, own.candidates(V)) for own in goals.sides), *_beside_crowns(problem)]
-        edges = edge_faces(problem.faces)[:, :2]
-        self._edges = np.vstack([edges, edges[:, ::-1]])
+        self._edges = edge_faces(problem.faces)[:, :2]
         pairs = [_pairs(own, at) for own, at in self._places]
         self.vertices = np.concatenate([np.zeros((0, 2), np.int64), *pairs])  # that places are about, -1 for one alone (k, 2)
         self._touching = np.concatenate([np.zeros(0, np.int64), *(at for _, at in self._sides)])
@@ -128,9 +128,7 @@ class Conditions:
         behind = -missed[len(self._quantities) :]
         far = np.zeros(len(self._directions))
         np.maximum.at(far, self._touching, behind)
-        most = far.copy()
-        np.maximum.at(most, self._edges[:, 0], far[self._edges[:, 1]])
-        found = (behind > 0.0) & (behind >= most[self._touching])
+        found = (behind > 0.0) & (behind >= far[self._touching]) & tops(far, self._edges)[self._touching]
         return np.concatenate([np.zeros(len(self._quantities), bool), found])
 
 

@@ -155,6 +155,12 @@ class Lagrangian:
         """Return the products (b,) with the border of steps that make the values (c,) of active conditions zero."""
         return np.concatenate([np.zeros(self.turns.conditions.shape[1]), -values[active]])
 
+    def forces_of(self, pushed: FloatArray, active: Mask) -> FloatArray:
+        """Return the forces (c,) of conditions from the multipliers (b,) of the products with the border."""
+        forces = np.zeros(len(active))
+        forces[active] = pushed[self.turns.conditions.shape[1] :]
+        return forces
+
     def moves_of(self, solution: FloatArray) -> FloatArray:
         """Return the moves (n,) of a solution of the saddle system (q + r + k,)."""
         moves = np.zeros(len(self.drawing))

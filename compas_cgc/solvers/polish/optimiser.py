@@ -106,7 +106,7 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
         here, length, trials = searched
         multipliers = after
         if trials == 1 and length == 1.0 and farthest <= CLOSE * size:
-            here, multipliers, farthest = _closed_in(lagrangian, saddle, here, active, multipliers, forces, farthest, STILL * size)
+            here, multipliers, forces, farthest = _closed_in(lagrangian, saddle, here, active, multipliers, forces, farthest, STILL * size)
         number += 1
         yield Step(here, multipliers, forces, length, trials, length == 1.0 and farthest < SETTLED * size, number)
         if length == 1.0:
@@ -125,8 +125,7 @@ def _held(lagrangian: Lagrangian, saddle: Saddle, here: State, right: FloatArray
     met, released = here.met, np.zeros(len(active), bool)
     while True:
         solution, pushed = saddle.solve(right, lagrangian.products(met.values, active))
-        forces = np.zeros(len(active))
-        forces[active] = pushed[len(pushed) - int(active.sum()) :]
+        forces = lagrangian.forces_of(pushed, active)
         left = met.values + met.slopes @ lagrangian.moves_of(solution)
         pulling = met.one_sided & active & (forces > PULL * float(np.abs(forces).max(initial=0.0)))
         crossed = lagrangian.conditions.worst(np.where(met.one_sided & ~active & ~released, np.minimum(left + CROSSED, 0.0), 0.0))
@@ -139,8 +138,8 @@ def _held(lagrangian: Lagrangian, saddle: Saddle, here: State, right: FloatArray
 def _closed_in(
     lagrangian: Lagrangian, saddle: Saddle, here: State, active: Mask, multipliers: FloatArray, forces: FloatArray, farthest: float,
     enough: float,
-) -> tuple[State, FloatArray, float]:  # fmt: skip
-    """Return the state and the multipliers after steps with factors that are there, while they come nearer fast; and the last move.
+) -> tuple[State, FloatArray, FloatArray, float]:  # fmt: skip
+    """Return the state, multipliers and forces after steps with factors that are there, while they come nearer fast; and the last move.
 
     References
     ----------
@@ -153,9 +152,8 @@ def _closed_in(
         if not move <= NEARER * farthest:
             break
         here, multipliers = lagrangian.moved(here, solution[: lagrangian.size]), multipliers + solution[lagrangian.size :]
-        forces[active] += pushed[len(pushed) - int(active.sum()) :]
-        farthest = move
-    return here, multipliers, farthest
+        forces, farthest = forces + lagrangian.forces_of(pushed, active), move
+    return here, multipliers, forces, farthest
 
 
 def regularisation(lagrangian: Lagrangian) -> FloatArray:

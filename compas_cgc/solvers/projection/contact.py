@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...discrete.topology import tops
 from ...model.constraints import ClosestPoints
 from ...model.goals.binding import Side
 from ...model.goals.inequalities import Bound
@@ -106,10 +107,7 @@ class Contact(NamedTuple):
         """
         far = np.zeros(len(self.movable))
         far[at] = np.where(self.movable[at], crossed, 0.0)
-        worst = far.copy()
-        for one, other in (self.edges.T, self.edges[:, ::-1].T):
-            np.maximum.at(worst, one, far[other])
-        return (far > CROSSED) & (far >= worst)
+        return (far > CROSSED) & tops(far, self.edges)
 
     def same(self, other: Contact) -> bool:
         """Return whether the same vertices touch."""
