@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Any
 
-from ...errors import FileError
 from ...io.formats import FORMATS
-from ..errors import Unprocessable
 from ..limits import Limits
 from .decoding import check_size
+from .mesh_files import uploaded
 from .units import UNITS
 
 if TYPE_CHECKING:
@@ -46,13 +43,8 @@ def read_design_file(kind: str, body: bytes, options: Mapping[str, Any], limits:
     # Workers that never rationalise do without its imports.
     from ...rationalisation.design import given_design
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"design.{kind}"
-        path.write_bytes(body)
-        try:
-            given = given_design(path)
-        except FileError as error:
-            raise Unprocessable(str(error).replace(str(path), "the file").replace(path.name, "the file")) from None
+    with uploaded(kind, body) as path:
+        given = given_design(path)
     check_size(len(given.vertices), len(given.polygons), limits)
     units = UNITS[options.get("unit") or ""] or given.drawing.units
     return given._replace(drawing=given.drawing._replace(name=options.get("name") or "", units=units))

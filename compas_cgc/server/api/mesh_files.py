@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
@@ -17,10 +19,28 @@ if TYPE_CHECKING:
     from ...datastructures import SolveResult
     from ...io.reading import ReadProblem
 
-__all__ = ["KINDS", "SURFACES", "file_bytes", "read_upload", "warm_up_io"]
+__all__ = ["KINDS", "SURFACES", "file_bytes", "read_upload", "uploaded", "warm_up_io"]
 
 SURFACES = {suffix[1:]: own.media_type for suffix, own in FORMATS.items() if own.surfaces}
 KINDS = {suffix[1:]: FORMATS[suffix].media_type for suffix in SUFFIXES if FORMATS[suffix].media_type}
+
+
+@contextmanager
+def uploaded(kind: str, body: bytes) -> Iterator[Path]:
+    """Write the bytes of a file of a kind to a path; errors of its readers are raised without this path.
+
+    Raises
+    ------
+    Unprocessable
+        If the file cannot be read.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"upload.{kind}"
+        path.write_bytes(body)
+        try:
+            yield path
+        except FileError as error:
+            raise Unprocessable(str(error).replace(str(path), "the file").replace(path.name, "the file")) from None
 
 
 def read_upload(kind: str, body: bytes, result: bool = False, edge_length: Optional[float] = None) -> ReadProblem:
@@ -35,13 +55,8 @@ def read_upload(kind: str, body: bytes, result: bool = False, edge_length: Optio
     """
     from ...io import read_problem
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"upload.{kind}"
-        path.write_bytes(body)
-        try:
-            return read_problem(path, result=result, edge_length=edge_length)
-        except FileError as error:
-            raise Unprocessable(str(error).replace(str(path), "the file")) from None
+    with uploaded(kind, body) as path:
+        return read_problem(path, result=result, edge_length=edge_length)
 
 
 def file_bytes(kind: str, result: SolveResult, source: Optional[bytes] = None) -> bytes:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 
@@ -15,7 +13,6 @@ import numpy as np
 from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
-from ...errors import FileError
 from ...io.plans.plan import plan_data
 from ...meshing import triangles_of
 from ...model.checks import check
@@ -28,6 +25,7 @@ from ...model.roles import ROLES
 from ..api.decoding import check_size
 from ..api.design_files import read_design_file
 from ..api.mesh_files import read_upload
+from ..api.mesh_files import uploaded
 from ..api.remedies import remedies_in
 from ..api.units import UNITS
 from ..api.wording import in_request_words
@@ -91,13 +89,8 @@ def read_plan(kind: str, body: bytes, join: Optional[float]) -> bytes:
     """
     from ...io.plans import read_plan as read_file
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"upload.{kind}"
-        path.write_bytes(body)
-        try:
-            plan = read_file(path, join=join)
-        except FileError as error:
-            raise Unprocessable(str(error).replace(str(path), "the file")) from None
+    with uploaded(kind, body) as path:
+        plan = read_file(path, join=join)
     if not plan.curves:
         raise Unprocessable(f"the file holds no curves; {'; '.join(plan.notes)}")
     short = {full: own for own, full in UNITS.items()}

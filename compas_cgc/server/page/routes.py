@@ -5,6 +5,8 @@ from __future__ import annotations
 import functools
 import gzip
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Optional
 
@@ -139,9 +141,7 @@ def model() -> Response:
     kind, name = request.args.get("kind", ""), request.args.get("name", "")[:100]
     if kind not in KINDS:
         raise Unprocessable(f"'kind' must be {' or '.join(KINDS)}; save the mesh in one of these formats")
-    with body_held() as body:
-        if not body:
-            raise BadRequest("the request is empty; send the bytes of the file")
+    with _file_held() as body:
         found = run_in_reader(read_model, kind, body, name, current_app.config["LIMITS"], _edge_length())
     return Response(found, mimetype="application/json")
 
@@ -152,9 +152,7 @@ def plan() -> Response:
     kind = request.args.get("kind", "")
     if kind not in PLAN_KINDS:
         raise Unprocessable(f"'kind' must be {' or '.join(PLAN_KINDS)}")
-    with body_held() as body:
-        if not body:
-            raise BadRequest("the request is empty; send the bytes of the file")
+    with _file_held() as body:
         return Response(run_in_reader(read_plan, kind, body, _join()), mimetype="application/json")
 
 
@@ -164,10 +162,17 @@ def surface() -> Response:
     kind = request.args.get("kind", "")
     if kind not in DESIGN_KINDS:
         raise Unprocessable(f"'kind' must be {' or '.join(DESIGN_KINDS)}; save the design in one of these formats")
+    with _file_held() as body:
+        return Response(run_in_reader(read_surface, kind, body, current_app.config["LIMITS"]), mimetype="application/json")
+
+
+@contextmanager
+def _file_held() -> Iterator[bytes]:
+    """Return the bytes of the file in the request, see :func:`body_held`."""
     with body_held() as body:
         if not body:
             raise BadRequest("the request is empty; send the bytes of the file")
-        return Response(run_in_reader(read_surface, kind, body, current_app.config["LIMITS"]), mimetype="application/json")
+        yield body
 
 
 def _join() -> Optional[float]:
