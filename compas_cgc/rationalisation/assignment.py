@@ -183,28 +183,32 @@ def evened(moves: NormalMoves, placed: Placed, powers: Sequence[int] = (POWER,))
     Burrus, Barreto, Selesnick, *Iterative reweighted least-squares design of FIR filters*, 1994, doi:10.1109/78.330353.
     """
     for power in powers:
-        norm = _norm(moves, placed.moves, power)
+        norm, longest = _norm(moves, placed.moves, power), POWER / power
         for _ in range(EVENING):
-            before, placed = norm, _evened_once(moves, placed, norm, power)
+            before = norm
+            placed, longest = _evened_once(moves, placed, norm, power, longest)
             norm = _norm(moves, placed.moves, power)
             if not norm < (1.0 - LEAST_GAIN) * before:
                 break
     return placed
 
 
-def _evened_once(moves: NormalMoves, here: Placed, norm: float, power: int) -> Placed:
-    """Return the surface after one step of :func:`evened` that reduces the norm of a power, or the same one."""
+def _evened_once(moves: NormalMoves, here: Placed, norm: float, power: int, longest: float) -> tuple[Placed, float]:
+    """Return the surface after one step of :func:`evened` that reduces the norm of a power, or the same one, and twice its length.
+
+    Steps that were too long once mostly are so again: every round starts from twice the length of the last one.
+    """
     stressing = _stressing(moves, here.moves, power)
     aim = _fitted(moves, stressing.sensitivities(here.moves, here.assigned.K), here.assigned)
     changes, towards = aim.assigned.values - here.assigned.values, aim.moves - here.moves
-    length = 1.0
+    length = min(1.0, longest)
     while length >= SHORTEST_EVENING:
         own = replace(here.assigned, values=here.assigned.values + length * changes)
         tried = _placed(stressing, own, here.moves + length * towards)
         if np.isfinite(tried.norm) and _norm(moves, tried.moves, power) < norm:
-            return tried
+            return tried, 2.0 * length
         length /= 2.0
-    return here
+    return here, length
 
 
 def _stressing(moves: NormalMoves, own: FloatArray, power: int) -> NormalMoves:

@@ -171,7 +171,7 @@ def test_seams_moulds_and_locked_panels_of_a_design_are_given(client):
 
     vertices, quads = mesh_over(height, 8.0, 4.0, 0.5)
     seam = [[x, 0.3 * x, height(x, 0.3 * x)] for x in np.linspace(0.0, 8.0, 33)]
-    given = {"seams": [seam], "radii": [4.0, None], "locked": {"0": 1}}
+    given = {"seams": [seam], "panel": 2.0, "edges": 4, "radii": [4.0, None], "locked": {"0": 1}}
     found = client.build("rationalise", vertices, np.array(quads), settings=given)
     assert found["panels"] == 2 and found["curvatures"][found["classes"][0]] == 0.0
     on_seam = np.array(found["vertices"])[np.unique(found["seams"])]
