@@ -21,7 +21,7 @@ PLANS = 2  # number of plans cached by a worker
 _plans: OrderedDict[str, Plan] = OrderedDict()
 
 
-def solve_block(digest: str, content: bytes, first: int, last: int, alone: bool = False) -> list[Measured]:
+def solve_block(digest: str, content: bytes, first: int, last: int) -> list[Measured]:
     """Return the rows and surfaces of the variants from `first` up to, but not including, `last`.
 
     Parameters
@@ -30,8 +30,6 @@ def solve_block(digest: str, content: bytes, first: int, last: int, alone: bool 
         Digest of the study, and the study with its drawing as bytes, which are decoded once.
     first, last
         Numbers of variants.
-    alone
-        Whether to solve each variant independently of its block, because one variant may crash the process.
     """
     plan = _plans.get(digest)
     if plan is None:
@@ -42,6 +40,6 @@ def solve_block(digest: str, content: bytes, first: int, last: int, alone: bool 
     for variant in range(first, last):
         if stop_wanted():
             break
-        done.append(plan.measured(variant, alone))
+        done.append(plan.measured(variant))
         report({"variants": len(done)})
     return done

@@ -47,7 +47,7 @@ __all__ = ["Progress", "run_study"]
 
 POLL_INTERVAL = 0.1  # time between two checks for a stop request [s]
 AHEAD = 3  # largest number of running and queued blocks per worker
-TRIES = 2  # attempts for a block whose worker ends; in the last attempt, variants are solved independently
+TRIES = 2  # attempts for a block whose worker ends; the last one is made variant by variant
 
 
 class Progress(NamedTuple):
@@ -169,8 +169,7 @@ class _Run:
 
         def begin(block: tuple[int, int]) -> None:
             tries[block] = tries.get(block, 0) + 1
-            alone = block[1] - block[0] == 1 and tries[block] == TRIES
-            running[executor.start(solve_block, (self.digest, self.content, *block, alone))] = block
+            running[executor.start(solve_block, (self.digest, self.content, *block))] = block
 
         try:
             while True:

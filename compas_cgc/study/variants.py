@@ -17,11 +17,7 @@ from ..model.goals.binding import support_height
 from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
 from ..model.result import FAILED
-from ..solvers.between import Between
-from ..solvers.between import between
-from ..solvers.between import leads_on
 from ..solvers.choices import choose
-from ..solvers.projection.branch import Branch
 from ..solvers.registry import settings_for
 from ..solvers.run import solve
 from .parameters import STRATEGIES
@@ -35,8 +31,6 @@ CACHED_VERTICES = 1_000_000  # size of the cache of surfaces of identical varian
 CACHED_SHAPES = 16  # number of cached drawings with moved creases and supports
 MAX_VERTICES, MAX_BLOCK = 4096, 16  # vertices and variants of a block
 LONG_STUDY, MAX_GROWTH = 1024, 4  # number of variants above which blocks grow, and their largest growth factor
-CACHED_ENDS = 16  # number of cached results and branches
-MIN_RUN = 4  # distance of two solved variants above which variants between them start from one of them
 
 
 def block_size(vertices: int, variants: int) -> int:
@@ -78,12 +72,6 @@ class Plan:
         self._settings = study.solver_settings
         self._unknown = list(unknown_regions(self.drawing))
         self._block = block_size(len(self.drawing.vertices), len(study.variants))
-        # If variants of different blocks share a solve, it must not depend on other variants of a block.
-        self._by_blocks = all(own.kind not in STRATEGIES for own in study.parameters)
-        self._results: OrderedDict[int, SolveResult] = OrderedDict()
-        self._runs: OrderedDict[int, list[tuple[int, int]]] = OrderedDict()
-        self._branches: OrderedDict[int, Optional[Branch]] = OrderedDict()
-        self._between: OrderedDict[tuple[int, int], Optional[Between]] = OrderedDict()
         # Report errors in the study before the first solve.
         for own in study.parameters:
             own.change(self.drawing)
@@ -129,29 +117,21 @@ class Plan:
         return self._block
 
     def solve(self, variant: int) -> SolveResult:
-        """Return the result of a variant.
+        """Return the result of a variant."""
+        found = solve(self.problem(variant), method=self.study.method, settings=self._settings)
+        if found.turned:  # The surfaces of a study share the faces of its drawing.
+            found = solve(self.problem(variant), method="projection", settings=settings_for("projection", self.study.settings))
+        return found
 
-        If two variants of its block have surfaces on one branch, a variant between them starts from one of them and gives the same
-        surface.
-        """
-        ends = self._ends(variant)
-        found = None if ends is None else ends.solve(self.problem(variant))
-        return found or self._alone(variant)
-
-    def measured(self, variant: int, alone: bool = False) -> Measured:
-        """Return the row of a variant and its surface; errors are reported in the note of the row.
-
-        With `alone`, it is solved independently of its block.
-        """
+    def measured(self, variant: int) -> Measured:
+        """Return the row of a variant and its surface; errors are reported in the note of the row."""
         try:
             problem = self.problem(variant)
         except CGCError as error:
             return self.refused(variant, str(error))
         key = self._decisive(problem, self.study.variants[variant])
-        if self._by_blocks:
-            key = variant // self._block, key
         if key not in self._solved:
-            self._solved[key] = self._solution(variant, alone)
+            self._solved[key] = self._solution(variant)
             if len(self._solved) > max(1, CACHED_VERTICES // len(problem.vertices)):
                 self._solved.popitem(last=False)
         figures, note, vertices = self._solved[key]
@@ -180,70 +160,13 @@ class Plan:
         methods = [one.method for one in choose(problem, self._settings)] if self.study.method == "auto" else [self.study.method]
         return (*own, *((problem.s.tobytes(), problem.e.tobytes()) if "flow" in methods else ()))
 
-    def _solution(self, variant: int, alone: bool) -> tuple[dict[str, Any], str, Optional[FloatArray]]:
+    def _solution(self, variant: int) -> tuple[dict[str, Any], str, Optional[FloatArray]]:
         """Return the measures of the surface of a variant, a note on errors, and its vertices."""
         try:
-            result = self._alone(variant) if alone else self.solve(variant)
+            result = self.solve(variant)
         except CGCError as error:
             return {"status": "refused"}, str(error), None
         return (*self._figures(result), result.vertices)
-
-    def _alone(self, variant: int) -> SolveResult:
-        """Return the result of a variant, solved independently."""
-        found = self._results.pop(variant, None)
-        if found is None:
-            found = solve(self.problem(variant), method=self.study.method, settings=self._settings)
-            if found.turned:  # The surfaces of a study share the faces of its drawing.
-                found = solve(self.problem(variant), method="projection", settings=settings_for("projection", self.study.settings))
-        _keep(self._results, variant, found)
-        return found
-
-    def _ends(self, variant: int) -> Optional[Between]:
-        """Return a solver of a variant between two others with surfaces on one branch, None if there are none."""
-        first, last = self._run(variant)
-        while first < variant < last and last - first >= MIN_RUN:
-            if (first, last) not in self._between:
-                _keep(self._between, (first, last), self._joined(first, last))
-            joined = self._between[first, last]
-            if joined is not None or self._branches.get(first) is None:
-                return joined
-            middle = (first + last) // 2
-            first, last = (first, middle) if variant <= middle else (middle, last)
-        return None
-
-    def _joined(self, first: int, last: int) -> Optional[Between]:
-        try:
-            if first not in self._branches:
-                _keep(self._branches, first, leads_on(self._alone(first), self.study.method, self._settings))
-            branch = self._branches[first]
-            return None if branch is None else between(branch, self._alone(first), self._alone(last), self._settings)
-        except CGCError:
-            return None
-
-    def _run(self, variant: int) -> tuple[int, int]:
-        """Return the first and last variant of the run around a variant: variants of its block with monotonic K on one drawing."""
-        block = variant // self._block
-        if block not in self._runs:
-            _keep(self._runs, block, self._runs_of(block))
-        return next(run for run in self._runs[block] if run[0] <= variant <= run[1])
-
-    def _runs_of(self, block: int) -> list[tuple[int, int]]:
-        first = block * self._block
-        values = self.study.variants[first : first + self._block]
-        varied = [own.kind == "K" for own in self.study.parameters]
-        last = first + len(values) - 1
-        if not self._by_blocks or not any(varied) or self.study.method not in ("auto", "projection"):
-            return [(k, k) for k in range(first, last + 1)]
-        runs, start, before = [], first, None
-        for k, (here, there) in enumerate(zip(values, values[1:]), first):
-            same = all(one == other for one, other, varies in zip(here, there, varied) if not varies)
-            way = [other > one for one, other, varies in zip(here, there, varied) if varies] if same else None
-            # Where the direction of K changes, a new run starts after the last variant of the previous run.
-            if way is None or (k > start and way != before):
-                runs.append((start, k))
-                start = k + 1
-            before = way
-        return [*runs, (start, last)] if start <= last else runs
 
     def _row(self, variant: int, figures: Mapping[str, Any], note: str) -> tuple[Any, ...]:
         own = dict(zip(self.inputs, self.study.variants[variant]))
@@ -312,10 +235,3 @@ def _plain(value: Any) -> Any:
 
 def _hashable(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
-
-
-def _keep(kept: OrderedDict, key: Any, value: Any) -> None:
-    """Store a value in a least recently used cache."""
-    kept[key] = value
-    if len(kept) > CACHED_ENDS:
-        kept.popitem(last=False)

@@ -310,26 +310,3 @@ def test_a_file_that_is_no_study_is_told_by_its_name(tmp_path):
         read_study(tmp_path / "study.toml")
     with pytest.raises(CGCError, match="cannot be read"):
         read_study(tmp_path / "none.toml")
-
-
-def test_variants_between_two_on_one_branch_are_those_solved_alone(monkeypatch):
-    mesh, study = grid("corners"), of({"K": {"from": 0.004, "to": 0.01, "count": 40}}, method="projection")
-    count = []
-    monkeypatch.setattr(variants, "solve", lambda *args, **more: count.append(1) or solve(*args, **more))
-    plan = Plan(study, mesh.to_problem())
-    rows = {variant: plan.measured(variant) for variant in (9, *range(16))}
-    assert len(count) == 2, "the first and the last of the block"
-    again = Plan(study, mesh.to_problem()).measured(9)
-    assert again.row == rows[9].row and np.array_equal(again.vertices, rows[9].vertices), "whatever came before"
-    for variant in (1, 9, 14):
-        alone = plan.measured(variant).vertices - solve(plan.problem(variant), method="projection").vertices
-        assert np.abs(alone).max() <= 1e-9 * np.ptp(mesh.to_problem().vertices[:, 0])
-
-
-def test_where_the_surface_jumps_from_branch_to_branch_each_variant_has_its_own():
-    """From a saddle to a dome no branch leads."""
-    mesh, study = grid("corners"), of({"K": {"from": -0.02, "to": 0.02, "count": 8}})
-    plan = Plan(study, mesh.to_problem())
-    for variant in (2, 5):
-        apart = plan.measured(variant).vertices - solve(plan.problem(variant)).vertices
-        assert np.abs(apart).max() <= 1e-9 * np.ptp(mesh.to_problem().vertices[:, 0])

@@ -232,20 +232,6 @@ class Projector:
             faces=faces,
         )
 
-    def found_at(self, point: Point, targets: ArrayLike) -> Optional[Solution]:
-        """Return the solution at a shape that was found from elsewhere, None if it does not meet the targets (n,) [1/L^2]."""
-        system, local = self._system, self.posed(targets)
-        equations, scale2 = system.equations(local.targets), self._frame.scale**2
-        goal = self.settings.tolerance * local.target_scale
-        recorder = Recorder(1, None, self._frame, self.to_model)
-        point = self._symmetric(point, local, goal)
-        if not point.fulfils(goal, ROUNDINGS * system.rounding(point, equations)):
-            return None
-        recorder.record(energy_meter(local, self._edges)(point.vertices), point.error_norm, point.max_error, 1.0, 1)
-        error = point.max_error / scale2
-        sentence = message("converged", 1, error, system.at(local.vertices, equations).max_error / scale2, goal / scale2, "", "defect")
-        return Solution(self.to_model(point.vertices), "converged", sentence, 1, recorder.seconds, error, recorder.history)
-
     def _symmetric(self, reached: Point, local: CGCProblem, goal: float) -> Point:
         """Return a surface with the symmetries that it nearly has, if the drawing has them; else the surface itself."""
         kept = kept_symmetries(reached.vertices, self._system.size, self._own_symmetries(replace(self._local, targets=local.targets)))
@@ -297,11 +283,6 @@ class Projector:
             K = float(reached[rows[0]]) if len(rows) else np.nan
             targets[within] = 0.0 if abs(K) * self._frame.scale**2 < FLAT else K
         return targets
-
-    @property
-    def system(self) -> System:
-        """The equations, freedoms and metric, in the local frame."""
-        return self._system
 
     def posed(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None) -> CGCProblem:
         """Return the problem in the local frame with other targets and another shape, both as in the model."""
