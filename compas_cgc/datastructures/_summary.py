@@ -50,7 +50,7 @@ def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judge
 
 
 def _heights(problem: CGCProblem) -> str:
-    """Return the range of heights over the lowest support, in the unit of the drawing; of z where there are no supports."""
+    """Return the range of heights relative to the lowest support, in the unit of the drawing; of z where there are no supports."""
     size, z = float(np.ptp(problem.vertices, axis=0).max(initial=0.0)), problem.vertices[:, 2]
     held = problem.roles == FIXED
     base = float(z[held].min()) if held.any() else 0.0
@@ -58,7 +58,7 @@ def _heights(problem: CGCProblem) -> str:
     unit = unit_suffix(problem.drawing.units)
     if low == high:
         return "level with its supports" if held.any() else f"level at z = {low}{unit}"
-    return f"heights from {low} to {high}{unit}{' over the lowest support' if held.any() else ''}{_sunk(problem, size)}"
+    return f"heights from {low} to {high}{unit}{' relative to the lowest support' if held.any() else ''}{_sunk(problem, size)}"
 
 
 def _sunk(problem: CGCProblem, size: float) -> str:

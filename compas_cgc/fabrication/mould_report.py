@@ -15,6 +15,7 @@ from ..discrete import face_areas
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
+from ..model.counts import counted
 from .development import Development
 from .figures import SHORT
 from .figures import on_most_of_the_area
@@ -202,7 +203,7 @@ class MouldReport:
         return "\n".join(
             [
                 *self._overstressed(),
-                f"{_many(len(self.panels), 'panel')} on {_many(len(self.moulds), 'mould')}; edges of triangles are "
+                f"{counted(len(self.panels), 'panel')} on {counted(len(self.moulds), 'mould')}; edges of triangles are "
                 f"{self.edges} of the moulds",
                 K_MEANING,
                 *(line for own in self.moulds for line in self._lines(own)),
@@ -233,9 +234,9 @@ class MouldReport:
         order = sorted(broken, key=lambda fit: -fit.stress_95)
         names = [f"{fit.panel.name} ({_two_digits(self.bending_radius(fit))} m, {_two_digits(fit.stress_95)} MPa)" for fit in order]
         more = len(names) - MAX_NAMED
-        named = ", ".join(names[:MAX_NAMED]) + (f" and {_many(more, 'other')}, listed in the report" if more > 0 else "")
+        named = ", ".join(names[:MAX_NAMED]) + (f" and {counted(more, 'other')}, listed in the report" if more > 0 else "")
         return [
-            f"NOT BUILDABLE like this: {len(broken)} of {_many(len(self.panels), 'panel')} are bent beyond the strength of "
+            f"NOT BUILDABLE like this: {len(broken)} of {counted(len(self.panels), 'panel')} are bent beyond the strength of "
             f"{self.thickness:g} mm {own.name}, up to {100 * most / strength:.0f} % of it on 95 % of their area "
             f"({_two_digits(1e-6 * most)} of {1e-6 * strength:g} MPa, without safety factor). Panels, with the radius of a flat sheet of "
             f"the same stress: {named}. Make these panels in their final shape (hot bending, casting) instead of bending them from a mould "
@@ -274,7 +275,7 @@ class MouldReport:
         if mould.size is not None:
             what += f", {mm * mould.size:.0f} mm at its {'throat' if mould.K < 0.0 else 'equator'}, on which panels are centred"
         lines = [
-            f"mould {mould.number}: {what}, needed for {_many(mould.panels, 'panel')}: a round cap of "
+            f"mould {mould.number}: {what}, needed for {counted(mould.panels, 'panel')}: a round cap of "
             f"{mm * mould.radius:.0f} mm from its middle to its edge along the surface, {mm * mould.depth:.0f} mm deep",
             f"  fit: gaps between triangles up to {_length(max(fit.gap for fit in own))}, lengths of their edges up to "
             f"{_percent(max(fit.edge_error for fit in own))} different from those in position",
@@ -303,10 +304,6 @@ def _percentile_95(panels: list[PanelFit]) -> float:
     stress = np.concatenate([own.stresses for own in panels])
     areas = np.concatenate([face_areas(own.vertices, own.faces) for own in panels])
     return on_most_of_the_area(stress, areas)
-
-
-def _many(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _spread(values: list[float], unit: str = "") -> str:

@@ -14,6 +14,7 @@ from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..errors import CGCError
+from ..model.counts import counted
 from ..model.problem import CGCProblem
 from .allowance import widened
 from .figures import SHORT
@@ -150,13 +151,13 @@ class Patterns:
         count, units = len(self.pieces), self.problem.drawing.units
         area, in_space = (in_square_metres(area, units) for area in (self.area, self.area_in_space))
         lines = [
-            f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seam{'' if len(self.seams) == 1 else 's'}, "
+            f"{counted(count, 'piece')}, {counted(len(self.seams), 'seam')}, "
             f"flat area {area} m², area in space {in_space} m² (relative difference {abs(self.area / self.area_in_space - 1.0):.1e})"
         ]
         if self.sheet is not None:
             used = self.area / sum(length * width for length, width in self.sheet_sizes)
             counts = [(self.sheet_sizes.count(size), size) for size in sorted(set(self.sheet_sizes), reverse=True)]
-            sheets = ", ".join(f"{count} sheet{'' if count == 1 else 's'} of {in_mm(size, units)}" for count, size in counts)
+            sheets = ", ".join(f"{counted(count, 'sheet')} of {in_mm(size, units)}" for count, size in counts)
             lines.append(f"{sheets}, {100 * used:.0f} % used")
         if self.stock.stuff:
             lines.append(f"material: {self.stock.stuff}")

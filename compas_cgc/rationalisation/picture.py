@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..meshing.boundary import boundary_loops
+from ..model.counts import counted
 from ..model.visible import PLAN_SHARE
 from .result import Rationalised
 
@@ -83,7 +84,7 @@ def panels_figure(found: Rationalised) -> Figure:
             bar = figure.colorbar(filled, ax=axes, ticks=range(count), shrink=0.7)
             bar.ax.set_yticklabels([f"{K:.3g}" for K in found.curvatures])
             bar.set_label(f"K of the mould [1/{unit}²]")
-            axes.set_title(f"{len(found.classes)} panels on {count} moulds", fontsize=10)
+            axes.set_title(f"{counted(len(found.classes), 'panel')} on {counted(count, 'mould')}", fontsize=10)
         else:
             field = axes.tripcolor(triangles, found.distance.signed, cmap=diverging_map(), vmin=-limit, vmax=limit, shading="gouraud")
             figure.colorbar(field, ax=axes, shrink=0.7).set_label(f"distance [{unit}]")

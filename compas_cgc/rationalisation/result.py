@@ -12,6 +12,7 @@ import numpy as np
 from ..datastructures import SolveResult
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..model.counts import counted
 from .design import Design
 from .distance import Distance
 from .distance import Folds
@@ -111,10 +112,11 @@ class Rationalised:
         """Moulds, panels and distances in a few sentences."""
         unit = self.design.drawing.units
         suffix = f" {unit.casefold()}" if unit else ""
-        moulds = ", ".join(f"{_radius(K, suffix)} ({count} panels)" for K, count in zip(self.curvatures, self.panels_per_class.tolist()))
+        per_class = zip(self.curvatures, self.panels_per_class.tolist())
+        moulds = ", ".join(f"{_radius(K, suffix)} ({counted(count, 'panel')})" for K, count in per_class)
         beyond = self.folds.beyond()
         lines = [
-            f"{self.panelling.panel_count} panels on {len(self.curvatures)} moulds: {moulds}",
+            f"{counted(self.panelling.panel_count, 'panel')} on {counted(len(self.curvatures), 'mould')}: {moulds}",
             f"distance from the design: largest {self.distance.largest:.3g}{suffix}, rms {self.distance.rms:.3g}{suffix}",
             f"folds at seams beyond those of the design: {beyond['largest']:.2g} degrees (largest), {beyond['median']:.2g} (median)",
             f"surface: {self.result.status}, {self.result.verdict}",
@@ -122,7 +124,7 @@ class Rationalised:
         return "\n".join(lines + ([self.suggestion] if self.suggestion else []))
 
     def __repr__(self) -> str:
-        return f"<Rationalised: {self.panelling.panel_count} panels on {len(self.curvatures)} moulds, {self.status}>"
+        return f"<Rationalised: {counted(self.panelling.panel_count, 'panel')} on {counted(len(self.curvatures), 'mould')}, {self.status}>"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain data, ready for JSON."""

@@ -21,6 +21,7 @@ from ..errors import MeshError
 from ..errors import names_what_was_meant
 from ..meshing import named_supports
 from ..meshing.polyline import nearest_on_polyline
+from ..model.counts import counted
 from ..model.given import refuse_other_units
 from ..model.problem import CGCProblem
 from ..solvers.run import solve
@@ -273,7 +274,7 @@ def _assigned(
             if not (0 <= number < moves.panels and 0 <= mould < len(values)):
                 raise CGCError(
                     f"panel {number} cannot be locked to mould {mould}: "
-                    f"there are {moves.panels} panels and {len(values)} moulds, counted from 0"
+                    f"there are {counted(moves.panels, 'panel')} and {counted(len(values), 'mould')}, counted from 0"
                 )
             own[number] = mould
     return assign(moves, Moulds(len(values), values, locked=own), stop.shown)
@@ -309,7 +310,7 @@ def _suggestion(found: Rationalised, within: float, tried: int) -> str:
     ratio = found.distance.largest / (within - fitted)
     moulds = max(int(np.ceil(len(found.curvatures) * ratio)), tried + 1)
     return (
-        f"the distance of up to {found.farthest:.3g}{of_fit} exceeds {within:.3g}, the best found for up to {tried} moulds; "
+        f"the distance of up to {found.farthest:.3g}{of_fit} exceeds {within:.3g}, the best found for up to {counted(tried, 'mould')}; "
         f"try {moulds} moulds, or panels narrower by a factor of {np.ceil(20.0 * np.sqrt(ratio)) / 20.0:.3g}"
     )
 

@@ -307,4 +307,4 @@ def test_heights_are_stated_over_the_supports_wherever_the_drawing_lies(height):
     assert f"around (4, 4, {height:.0f})" in text
     result = solve(replace(problem, drawing=Drawing(units="Meters")))
     rise = result.vertices[:, 2].max() - height
-    assert f"heights from 0 to {rise:.4g} m over the lowest support" in result.summary
+    assert f"heights from 0 to {rise:.4g} m relative to the lowest support" in result.summary

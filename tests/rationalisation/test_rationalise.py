@@ -56,6 +56,7 @@ def test_more_moulds_are_nearer_and_flat_sheets_farther():
     distances = [found(moulds).distance.largest for moulds in (1, 3, 6)]
     assert distances[0] > 2.0 * distances[1] > 2.0 * distances[2], distances
     assert found(1).curvatures.tolist() == [0.0]
+    assert found(1).summary.startswith("24 panels on 1 mould: flat (24 panels)")
 
 
 def test_with_a_mould_for_every_panel_the_surface_is_nearer_than_with_few():

@@ -14,6 +14,7 @@ from ...fabrication import panels
 from ...fabrication.mould_surface import cap_mesh
 from ...io.rhino.rhinocommon import curve_to_points
 from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...model.counts import counted
 from ...model.problem import CGCProblem
 from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import ask_for
@@ -114,4 +115,4 @@ def _shown(problem: CGCProblem, report: MouldReport, aside: Optional[float]) -> 
         [fit.stress for fit in report.panels],
         str(report),
     )
-    return Finished(out, f"{len(report.panels)} panels, {len(shown)} mould{'' if len(shown) == 1 else 's'}")
+    return Finished(out, f"{counted(len(report.panels), 'panel')}, {counted(len(shown), 'mould')}")

@@ -19,6 +19,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import mesh_to_arrays
 from ...io.rhino.rhinocommon import points_to_array
 from ...io.rhino.rhinocommon import polyline_to_rhino
+from ...model.counts import counted
 from ...model.problem import CGCProblem
 from ...rationalisation import Rationalised
 from ...rationalisation import rationalise as rationalise_design
@@ -86,7 +87,7 @@ class _Found(NamedTuple):
             found.distance.signed.tolist(),
             found.folds.angles.tolist(),
             found.summary,
-            f"{found.panelling.panel_count} panels, {len(found.curvatures)} moulds",
+            f"{counted(found.panelling.panel_count, 'panel')}, {counted(len(found.curvatures), 'mould')}",
             tuple(balloons),
         )
 

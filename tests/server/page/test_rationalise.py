@@ -58,6 +58,11 @@ def given(hands, server, roof):
     hands.seen("#rationalise-start")
 
 
+def reload(hands):
+    hands.read("window.before = true; location.reload()")
+    wait_for(lambda: hands.read("return window.before === undefined && document.readyState === 'complete'"))
+
+
 def figure(hands, row):
     return hands.read("return document.querySelectorAll('#rationalise-figures dd')[args[0]]?.textContent ?? ''", row)
 
@@ -151,6 +156,45 @@ def test_a_job_is_stopped_and_wrong_files_and_numbers_get_a_sentence(open_server
         hands.click("#rationalise-close")
         hands.read(DROP, "roof.stl", "AAAA")
         hands.seen("#rationalise-trouble")
+
+
+@pytest.mark.parametrize("browser", ("chromium", "firefox"))
+def test_a_reload_finds_the_job_and_its_result_again(open_server, tmp_path, roof, browser):
+    with open_hands(browser, tmp_path) as hands:
+        given(hands, open_server, roof)
+        before = {own["id"] for own in open_server.client.jobs()}
+
+        def own_jobs():
+            return [own for own in open_server.client.jobs() if own["id"] not in before]
+
+        hands.click("#rationalise .options summary")
+        hands.read("document.querySelector('#rationalise [name=supports]').value = 'boundary'")
+        hands.fill("[name=panel]", "0,5")
+        [job] = wait_for(own_jobs, what="no job")
+        reload(hands)
+        hands.seen("#rationalise-start")
+        wait_for(lambda: hands.text(HEAD) == "400 panels on 4 moulds", what=f"no result: {hands.text('#rationalise-trouble')}")
+        assert [own["id"] for own in own_jobs()] == [job["id"]], "it is the same job"
+        assert hands.text("#rationalise-file-name") == "hall.3dm" and hands.value("#rationalise [name=supports]") == "boundary"
+        # Results are found again, too, and others are solved from there.
+        reload(hands)
+        wait_for(lambda: hands.text(HEAD) == "400 panels on 4 moulds", what=f"no result: {hands.text('#rationalise-trouble')}")
+        assert [own["id"] for own in own_jobs()] == [job["id"]] and hands.complaints() == []
+        hands.fill("[name=panel]", "2")
+        wait_for(lambda: hands.text(HEAD) == "24 panels on 4 moulds", what="no other result")
+        # A dialog that was closed stays closed, and has its result when it opens.
+        hands.click("#rationalise-close")
+        reload(hands)
+        hands.seen(".example")
+        assert not hands.shown("#rationalise")
+        hands.click("#rationalise-begin")
+        wait_for(lambda: hands.text(HEAD) == "24 panels on 4 moulds", what=f"no result: {hands.text('#rationalise-trouble')}")
+        # A new start of the page leaves it.
+        hands.open("about:blank")
+        hands.open(f"{open_server.url}/#new")
+        hands.click("#rationalise-begin")
+        hands.seen("#rationalise-close")
+        assert hands.shown("#rationalise.bare") and wait_for(lambda: not own_jobs(), what="the job stays on the server")
 
 
 def test_a_job_goes_on_when_its_server_is_killed_and_started_again(tmp_path, roof):

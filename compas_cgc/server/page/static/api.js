@@ -11,7 +11,7 @@ const [SHOWN, WAIT] = [0.5, 20]; // time between two requests for the status of 
 
 /**
  * @typedef {object} Told who is told about a job
- * @property {(id: string) => void} [begun]
+ * @property {string} [id] of the job: a new one, or that of a job that was submitted before
  * @property {(status: import('./types.js').Status) => void} [progress]
  * @property {() => void} [lost] the server does not respond
  */
@@ -141,9 +141,7 @@ export class Api {
    * @param {Told} [told]
    * @returns {Promise<any>} its result
    */
-  async follow(submit, signal, { begun, progress, lost } = {}) {
-    const id = newId();
-    begun?.(id);
+  async follow(submit, signal, { id = newId(), progress, lost } = {}) {
     try {
       for (;;) {
         try {
@@ -333,12 +331,13 @@ export class Api {
 }
 
 /**
- * Check whether an error means that the server did not respond, and may later.
+ * Check whether an error of a request that the page has not aborted means that the server did not respond, and may later. Firefox aborts
+ * requests when the page is left.
  * @param {Error} error
  * @returns {boolean}
  */
 export function isLost(error) {
-  return error instanceof Refusal ? [0, 502, 503, 504].includes(error.status) : error instanceof TypeError;
+  return error instanceof Refusal ? [0, 502, 503, 504].includes(error.status) : error instanceof TypeError || error.name === 'AbortError';
 }
 
 /**

@@ -104,4 +104,7 @@ async function restore() {
 }
 
 window.addEventListener('hashchange', restore);
+// A link leaves what this tab has shown.
+if (location.hash) door.leave();
+else door.resume();
 restore();

@@ -34,6 +34,16 @@ export function capitalised(text) {
 }
 
 /**
+ * Return a number with what it counts, such as “1 mould” or “2 moulds”.
+ * @param {number} number
+ * @param {string} what
+ * @returns {string}
+ */
+export function counted(number, what) {
+  return `${number} ${what}${number === 1 ? '' : 's'}`;
+}
+
+/**
  * Return a message with an initial capital and a full stop, in the terms of the page.
  * @param {string} text
  * @returns {string}

@@ -1,42 +1,14 @@
 /** Storage of designs in the browser. */
 
-const NAME = 'compas_cgc';
-const STORE = 'designs';
+import { Store } from './store.js';
+
 const TAB = 'compas_cgc.design';
 const WAITS = 'compas_cgc.waits';
 const MAX_DESIGNS = 12;
+const designs = new Store('compas_cgc', 'designs', MAX_DESIGNS);
 
 function newId() {
   return crypto.getRandomValues(new Uint32Array(2)).join('-');
-}
-
-/** @returns {Promise<IDBDatabase>} */
-function opened() {
-  return new Promise((resolve, reject) => {
-    const asked = indexedDB.open(NAME, 1);
-    asked.onupgradeneeded = () => asked.result.createObjectStore(STORE, { keyPath: 'id' });
-    asked.onsuccess = () => resolve(asked.result);
-    asked.onerror = () => reject(asked.error);
-  });
-}
-
-/**
- * Run a request on the store.
- * @param {IDBTransactionMode} mode
- * @param {(store: IDBObjectStore) => IDBRequest} act
- * @returns {Promise<any>}
- */
-async function inStore(mode, act) {
-  const database = await opened();
-  try {
-    return await new Promise((resolve, reject) => {
-      const asked = act(database.transaction(STORE, mode).objectStore(STORE));
-      asked.onsuccess = () => resolve(asked.result);
-      asked.onerror = () => reject(asked.error);
-    });
-  } finally {
-    database.close();
-  }
 }
 
 /**
@@ -45,11 +17,11 @@ async function inStore(mode, act) {
  * @returns {Promise<{id: string, revision: number}>} what is stored
  */
 async function written({ base, ...state }) {
-  const database = await opened();
+  const database = await designs.opened();
   try {
     return await new Promise((resolve, reject) => {
-      const transaction = database.transaction(STORE, 'readwrite');
-      const store = transaction.objectStore(STORE);
+      const transaction = database.transaction(designs.name, 'readwrite');
+      const store = transaction.objectStore(designs.name);
       const asked = store.get(state.id);
       let stored = null;
       asked.onsuccess = () => {
@@ -70,7 +42,7 @@ async function written({ base, ...state }) {
 
 /**
  * Each tab stores its design under a separate id. If two tabs have the same one, the second to change it goes on under a new id, so that
- * no change is lost. Browsers without storage (private windows) are not an error.
+ * no change is lost.
  */
 export class Keep {
   constructor() {
@@ -120,38 +92,31 @@ export class Keep {
     this.now();
   }
 
+  /** @returns {Promise<import('../types.js').State[]>} all that is kept, the newest first */
+  all() {
+    return designs.all();
+  }
+
+  /** @param {string} id */
+  drop(id) {
+    return designs.drop(id);
+  }
+
   /** @returns {Promise<?import('../types.js').State>} what this tab has shown */
   async mine() {
     const waits = sessionStorage.getItem(WAITS);
     if (waits) {
       sessionStorage.removeItem(WAITS);
       const latest = JSON.parse(waits);
-      const file = (await this.read(latest.id))?.data?.file;
+      const file = (await designs.read(latest.id))?.data?.file;
       if (latest.data && file) latest.data.file = file;
       this.latest = latest;
       this.revision = latest.base;
       await this.now();
     }
-    const found = this.id ? await this.read(this.id) : null;
+    const found = this.id ? await designs.read(this.id) : null;
     this.revision = found?.revision ?? 0;
     return found;
-  }
-
-  /** @param {string} id */
-  async read(id) {
-    return (await inStore('readonly', (store) => store.get(id)).catch(() => null)) ?? null;
-  }
-
-  /** @returns {Promise<import('../types.js').State[]>} all that is kept, the newest first; the oldest of too many are let go */
-  async all() {
-    const found = (await inStore('readonly', (store) => store.getAll()).catch(() => [])).sort((a, b) => b.time - a.time);
-    for (const { id } of found.slice(MAX_DESIGNS)) this.drop(id);
-    return found.slice(0, MAX_DESIGNS);
-  }
-
-  /** @param {string} id */
-  async drop(id) {
-    await inStore('readwrite', (store) => store.delete(id)).catch(() => {});
   }
 
   /** Another design is shown from now on. */

@@ -2,7 +2,7 @@
 
 import { REGIONS, parse } from '../colours.js';
 import { largest, power, readable, roundAbove } from '../numbers.js';
-import { capital } from '../words.js';
+import { capital, counted } from '../words.js';
 
 const SMALL = 0.5; // length below which metres are given in millimetres [m]
 const DARKER = 0.72; // of the channels of the colours that are used again
@@ -53,7 +53,7 @@ export function lengthScale(unit, size) {
 
 /**
  * Return the end of the colours of the distances.
- * @param {import('./dialog.js').Told} told
+ * @param {import('./jobs.js').Told} told
  * @returns {number}
  */
 export function limitOf(told) {
@@ -62,7 +62,7 @@ export function limitOf(told) {
 
 /**
  * Return heading, kind and figures of a result.
- * @param {import('./dialog.js').Told} told
+ * @param {import('./jobs.js').Told} told
  * @param {string} unit
  * @returns {{kind: string, head: string, text: string, rows: string[][]}}
  */
@@ -70,7 +70,7 @@ export function figuresOf(told, unit) {
   const { distance, kinks, status, verdict, within } = told;
   const length = lengthScale(unit, distance.max);
   const angle = (value) => `${readable(Math.max(0, value), 2)}°`;
-  const head = `${told.panels} panels on ${told.moulds} mould${told.moulds === 1 ? '' : 's'}`;
+  const head = `${counted(told.panels, 'panel')} on ${counted(told.moulds, 'mould')}`;
   const fair = verdict === 'fair';
   const kind = status === 'kept' && fair ? 'good' : ['kept', 'exceeded', 'cancelled'].includes(status) ? 'warn' : 'bad';
   const said = {
@@ -91,7 +91,7 @@ export function figuresOf(told, unit) {
 
 /**
  * Return the report as JSON, as `compas-cgc rationalise --report` writes it.
- * @param {import('./dialog.js').Told} told
+ * @param {import('./jobs.js').Told} told
  * @returns {string}
  */
 export function reportOf(told) {

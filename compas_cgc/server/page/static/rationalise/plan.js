@@ -13,7 +13,7 @@ const BAR_PART = 0.3; // of the width, length of the scale bar at most
 /**
  * Draw the panels of a result in the colours of their moulds, or the distance from the design.
  * @param {HTMLCanvasElement} canvas
- * @param {import('./dialog.js').Told} told
+ * @param {import('./jobs.js').Told} told
  * @param {'moulds' | 'distance'} by
  * @param {string} unit
  * @returns {string} what is drawn: plan, elevation, or view of a surface that closes
@@ -90,7 +90,7 @@ function drawBar(pen, { width, height, scale, unit, colour }) {
 
 /**
  * Check whether the normals point upwards in the mean, so that positive distances are above the design.
- * @param {import('./dialog.js').Told} told
+ * @param {import('./jobs.js').Told} told
  * @returns {boolean}
  */
 export function isUpwards(told) {

@@ -52,7 +52,7 @@ export class Views {
    * Show a result in the place of the design, or of another result.
    * @param {string} name
    * @param {string} unit
-   * @param {import('./dialog.js').Told} told
+   * @param {import('./jobs.js').Told} told
    */
   result(name, unit, told) {
     const first = !this.told;
@@ -98,7 +98,7 @@ export class Views {
 /**
  * Show the legend of the distances from the design.
  * @param {Legend} legend
- * @param {import('./dialog.js').Told} told
+ * @param {import('./jobs.js').Told} told
  * @param {string} unit
  */
 export function showDistances(legend, told, unit) {
