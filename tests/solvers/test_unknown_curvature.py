@@ -12,9 +12,12 @@ from compas_cgc import Rise
 from compas_cgc import Unknown
 from compas_cgc import Volume
 from compas_cgc import solve
+from compas_cgc.linalg.work import Work
 from compas_cgc.model.constraint_data import constraint_of
 from compas_cgc.model.goals.unknown_text import unknown_data
 from compas_cgc.model.goals.unknown_text import unknown_text
+from compas_cgc.solvers.polish.goal_seeking import seek
+from compas_cgc.solvers.polish.settings import PolishSettings
 
 N = 12
 
@@ -129,3 +132,11 @@ def test_bounds_scale_with_the_mesh():
     mesh = halves()
     mesh.set_goals([Rise(0.5), Unknown([0, 1], bounds=[0.001, 0.05])])
     assert mesh.transformed(Scale.from_factors([10.0] * 3)).goals()[1].bounds == pytest.approx([1e-5, 5e-4])
+
+
+@pytest.mark.parametrize("amount", [1e5, 2e5, 4e5])
+def test_a_search_whose_work_is_used_up_ends_with_what_it_reached(amount):
+    problem = halves().to_problem().with_goals([Rise(1.0), Unknown([0, 1])])
+    with Work(amount).counted():
+        solution = seek(problem, PolishSettings())
+    assert solution.status == "stalled" and solution.message

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 from typing import Optional
@@ -16,6 +17,7 @@ from ...errors import ProblemError
 from ...errors import Sentence
 from ...errors import joined
 from ...errors import use_method
+from ...linalg.work import until_spent
 from ...model.goals.binding import Equation
 from ...model.goals.binding import equations_for_constants
 from ...model.goals.binding import finds_constants
@@ -115,17 +117,28 @@ class _Seeker:
         here = self._first()
         if here.solution.status != "converged":
             return self._ended(here, here.solution.status, here.solution.message)
+        return [self._given_up(here), *until_spent(self._approached(here))][-1]
+
+    def _approached(self, here: _Here) -> Iterator[Solution]:
+        """Yield surfaces that come ever nearer to the goals."""
         for _ in range(MOST):
             if np.abs(here.missing).max() <= NEAR:
                 here = self._landed(here)
-                return self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", here.solution.message]))
+                yield self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", here.solution.message]))
+                return
             after = self._stepped(here)
             if after is None:
-                return self._ended(here, "infeasible", self._unreachable(here))
+                yield self._ended(here, "infeasible", self._unreachable(here))
+                return
             if after.solution.status == "cancelled":
-                return self._ended(after, "cancelled", after.solution.message)
+                yield self._ended(after, "cancelled", after.solution.message)
+                return
             here = after
-        return self._ended(here, "step_limit", f"the unknown constants were not found in {MOST} steps: {self._reached(here)}")
+            yield self._given_up(here)
+        yield self._ended(here, "step_limit", f"the unknown constants were not found in {MOST} steps: {self._reached(here)}")
+
+    def _given_up(self, here: _Here) -> Solution:
+        return self._ended(here, "stalled", f"the search for the unknown constants was given up: {self._reached(here)}")
 
     def _at(self, logs: FloatArray, start: Optional[FloatArray]) -> _Here:
         """Return the surface for logarithms of the constants (k,), from another (n, 3) if there is one."""
@@ -254,7 +267,7 @@ class _Seeker:
         return f"{found[0][0]} from {min(values):.4g} to {max(values):.4g} was found for {len(found)} regions"
 
     def _reached(self, here: _Here) -> str:
-        values = ", ".join(f"{own.value(here.solution.vertices):.4g} instead of {own.wanted:.4g}" for own in self.equations)
+        values = ", ".join(f"{own.value(here.solution.vertices):.6g} instead of {own.wanted:.6g}" for own in self.equations)
         constants = ", ".join(f"{name} = {value:.4g}" for name, value in self._constants(self._posed(here.logs)))
         return f"for {self._names()} the surface reaches {values}, with {constants}"
 
