@@ -72,6 +72,17 @@ def vault(n=12) -> CGCProblem:
 
 
 @pytest.fixture(scope="module")
+def rolled():
+    return unroll(ring(10, 60), SHEET)
+
+
+@pytest.fixture(scope="module")
+def folded():
+    """The irregular ring, whose surface is folded at edges of its mesh."""
+    return unroll(irregular_ring(), rulings=0, rough=True)
+
+
+@pytest.fixture(scope="module")
 def cut():
     """The vault on sheets of 3.0 x 1.5."""
     return unroll(vault(), SHEET, rough=True)
@@ -335,11 +346,10 @@ def irregular_ring(bottom=4.0, top=2.0, height=3.0) -> CGCProblem:
     return CGCProblem(space[first], same.ravel()[faces]).with_targets(0.0)
 
 
-def test_the_seam_of_an_irregular_ring_is_straight_through_its_faces():
-    problem = irregular_ring()
-    patterns = unroll(problem, rulings=0, rough=True)
-    (seam,) = patterns.seams
-    names = patterns.patchwork.names
+def test_the_seam_of_an_irregular_ring_is_straight_through_its_faces(folded):
+    problem = folded.problem
+    (seam,) = folded.seams
+    names = folded.patchwork.names
     assert (names[seam.nodes[[0, -1]]] < len(problem.vertices)).all()
     assert names[seam.nodes].max() >= len(problem.vertices) and len(np.unique(names)) == len(names)
     for side in seam.sides:
@@ -347,8 +357,8 @@ def test_the_seam_of_an_irregular_ring_is_straight_through_its_faces():
         assert np.abs((side - side[0]) @ [-along[1], along[0]]).max() < 0.01 * 0.3
     # As short as the way straight up, but for where it has to begin and end at vertices.
     assert 3.0 <= seam.length < 3.0 * 1.01
-    assert patterns.seam_mismatch < 1e-12 and patterns.unrollings[0].gap < 1e-11 and patterns.unrollings[0].edge_error < 1e-11
-    assert patterns.area == pytest.approx(36.0, rel=1e-12) and patterns.area_in_space == pytest.approx(36.0, rel=1e-12)
+    assert folded.seam_mismatch < 1e-12 and folded.unrollings[0].gap < 1e-11 and folded.unrollings[0].edge_error < 1e-11
+    assert folded.area == pytest.approx(36.0, rel=1e-12) and folded.area_in_space == pytest.approx(36.0, rel=1e-12)
     within = unroll(problem, SHEET, rulings=0, rough=True)
     assert within.area == pytest.approx(36.0, rel=1e-12) and within.seam_mismatch < 1e-12
 
@@ -364,12 +374,11 @@ def test_a_flat_surface_with_a_hole_needs_no_seam():
     assert patterns.area == pytest.approx(face_areas(vertices, faces).sum(), rel=1e-13)
 
 
-def test_rulings_of_a_cone_are_straight_and_lie_on_their_pieces():
-    patterns = unroll(ring(10, 60), SHEET)
-    assert patterns.straightness[0].median < 1e-3
-    assert patterns.rulings
-    for ruling in patterns.rulings:
-        outline = patterns.pieces[ruling.piece].loops[0].points
+def test_rulings_of_a_cone_are_straight_and_lie_on_their_pieces(rolled):
+    assert rolled.straightness[0].median < 1e-3
+    assert rolled.rulings
+    for ruling in rolled.rulings:
+        outline = rolled.pieces[ruling.piece].loops[0].points
         assert (ruling.points >= outline.min(axis=0) - 1e-9).all() and (ruling.points <= outline.max(axis=0) + 1e-9).all()
 
 
@@ -459,16 +468,14 @@ def test_sheets_say_what_lies_on_them_and_labels_stand_out(cut, tmp_path):
     assert label.dxf.color == 7 and not label.dxf.hasattr("true_color")
 
 
-def test_edges_of_the_mesh_are_no_folds_where_a_surface_is_rolled(tmp_path):
+def test_edges_of_the_mesh_are_no_folds_where_a_surface_is_rolled(rolled, folded, tmp_path):
     ezdxf = pytest.importorskip("ezdxf")
     folds = {"FOLD_UP", "FOLD_DOWN"}
-    rolled = unroll(ring(10, 60), SHEET)
     write_patterns(tmp_path / "rolled.dxf", rolled)
     layers = {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "rolled.dxf").layers}
     assert not layers & folds and {row[7] for row in cut_list(rolled)} == {0}
-    bent = unroll(irregular_ring(), rulings=0, rough=True)
-    drawn = [line for line in draw_sheets(bent).lines if line.layer in folds]
-    assert len(drawn) == sum(row[7] for row in cut_list(bent)) > 0
+    drawn = [line for line in draw_sheets(folded).lines if line.layer in folds]
+    assert len(drawn) == sum(row[7] for row in cut_list(folded)) > 0
 
 
 @pytest.mark.parametrize("suffix", [".dxf", ".svg", ".plan.dxf", ".plan.svg"])
@@ -529,10 +536,10 @@ def test_only_panels_larger_than_a_sheet_are_cut(K):
     assert len(own) <= len(cut.pieces) <= 2 * len(own) and cut.area == pytest.approx(whole.area, rel=1e-3)
 
 
-def test_the_table_of_edges_calls_edges_of_rolled_pieces_inner(cut):
+def test_the_table_of_edges_calls_edges_of_rolled_pieces_inner(cut, folded):
     kinds = {row[3] for row in edge_table(cut)}
     assert "inner" in kinds and "fold" not in kinds
-    assert "fold" in {row[3] for row in edge_table(unroll(irregular_ring(), rulings=0, rough=True))}
+    assert "fold" in {row[3] for row in edge_table(folded)}
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -18,6 +18,7 @@ from compas_cgc.meshing.in_outline import inside_outline
 from compas_cgc.meshing.in_outline import vertices_over
 from compas_cgc.model.constraints import Height
 from compas_cgc.model.goals.binding import bind
+from compas_cgc.model.goals.guess import guessed
 from compas_cgc.model.goals.inequalities import Above
 from compas_cgc.model.goals.inequalities import Below
 from compas_cgc.model.goals.inequalities import Clearance
@@ -68,6 +69,14 @@ def test_derivatives_of_goals_of_the_whole(goal):
     assert np.sum(own.gradient(x) * move) == pytest.approx(slope, rel=1e-7)
     change = (own.gradient(x + step * move) - own.gradient(x - step * move)) / (2 * step)
     assert np.abs(own.curvature_along(x, move) - change).max() <= 1e-6 * max(1.0, np.abs(change).max())
+
+
+@pytest.mark.parametrize("goal", WHOLE)
+def test_the_first_guess_of_an_unknown_k_goes_with_the_square_of_the_size(goal):
+    posed = roof().with_goals([goal, Unknown()])
+    small = posed.transformed(np.diag([1e-3, 1e-3, 1e-3, 1.0]))
+    K, tiny = (np.nanmax(guessed(own).targets) for own in (posed, small))
+    assert K not in (0.0, 0.005) and tiny == pytest.approx(1e6 * K, rel=1e-9)
 
 
 def test_volume_and_area_do_not_ask_which_way_faces_turn():

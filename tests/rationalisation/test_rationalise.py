@@ -182,7 +182,7 @@ def test_a_promise_is_kept_or_refused_with_a_suggestion():
 
 
 def test_a_mesh_is_fitted_more_closely_than_the_distance_that_is_promised():
-    mesh, options = mesh_over(bumpy("soft", 1), edge=1.0), {"panel": 5.0, "moulds": 4}
+    mesh, options = mesh_over(bumpy("soft", 1), edge=1.0), {"panel": 5.0, "moulds": 4, "edges": 2}
     loose, drawn = read_design(mesh, tolerance=0.02), Drawing("roof", "Meters", 0.01)
     within = 5.0 * loose.deviation
     design = loose._replace(drawing=drawn, notes=("a note of the file", *loose.notes))
@@ -211,18 +211,18 @@ def test_a_mesh_is_fitted_once(reach, tmp_path, monkeypatch):
         return fitted(vertices, polygons, tolerance, limit)
 
     monkeypatch.setattr(design_module, "_fitted", counted)
-    found = compas_cgc.rationalise(mesh, within=10.0 * reach, panel=4.0, moulds=2)
+    found = compas_cgc.rationalise(mesh, within=10.0 * reach, panel=4.0, edges=3, moulds=2)
     assert tolerances == [pytest.approx(reach)]
-    assert compas_cgc.rationalise(found.design, within=10.0 * reach, panel=4.0, moulds=2).design is found.design
+    assert compas_cgc.rationalise(found.design, within=10.0 * reach, panel=4.0, edges=3, moulds=2).design is found.design
     assert len(tolerances) == 1
     compas_cgc.write(tmp_path / "roof.obj", compas_cgc.CGCMesh.from_vertices_and_faces(*mesh))
-    options = ["--panel", "4", "--moulds", "2", "--tolerance", "0.01", "--within", f"{10.0 * reach}", "-q"]
+    options = ["--panel", "4", "--edges", "3", "--moulds", "2", "--tolerance", "0.01", "--within", f"{10.0 * reach}", "-q"]
     main(["rationalise", str(tmp_path / "roof.obj"), "-o", str(tmp_path / "out.obj"), *options])
     assert tolerances[1:] == [0.01]
 
 
 def test_what_the_fit_of_a_mesh_deviates_counts_in_a_promise():
-    mesh, options = mesh_over(bumpy("soft", 1), edge=1.0), {"panel": 5.0, "moulds": 4, "tolerance": 0.02}
+    mesh, options = mesh_over(bumpy("soft", 1), edge=1.0), {"panel": 5.0, "moulds": 4, "edges": 2, "tolerance": 0.02}
     free = compas_cgc.rationalise(mesh, **options)
     assert 1e-3 < free.design.deviation <= 0.02
     missed, kept = (

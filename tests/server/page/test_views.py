@@ -91,8 +91,10 @@ def test_all_views(server, tmp_path, browser, width, dark):
         for by in ("zebra", "height", "fit", "mean", "largest", "smallest", ""):
             choose("#more-colours", by)
         hands.click("#hand [value=section] + span")
-        hands.click("#canvas", -60, 10)
-        hands.click("#canvas", 60, -10)
+        # On the two front regions in both sizes of the view.
+        hands.click("#fit")
+        hands.click("#canvas", -30, -40)
+        hands.click("#canvas", 60, -40)
         hands.seen("#section")
         look("section")
         hands.click("#section button")
