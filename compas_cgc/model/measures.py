@@ -17,6 +17,7 @@ from ..discrete.space_form import EXACT
 from ..discrete.space_form import space_form_angle_sums
 from ..meshing import boundary_loops
 from ..meshing.flat_corners import turned_corners
+from .goals.binding import with_level_edges_held
 from .inward_edges import MIN_CORNER
 from .problem import CGCProblem
 from .roles import CREASE
@@ -93,7 +94,8 @@ def read_across(problem: CGCProblem) -> IntArray:
     it runs into the corner, because a face between supports stays flat whatever the surface.
     """
     real, faces = problem.real_faces, problem.faces.copy()
-    faces[real] = turned_corners(problem.vertices, faces[real], problem.roles == FIXED, problem.creases)
+    held = with_level_edges_held(problem).roles == FIXED
+    faces[real] = turned_corners(problem.vertices, faces[real], held, problem.creases)
     return faces
 
 
@@ -114,12 +116,12 @@ def inward_supports(problem: CGCProblem) -> list[int]:
 
 
 def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
-    """Return whether the whole rim is fixed, K̄ > 0 everywhere, and there are creases or, by default, none.
+    """Return whether the whole rim is held, K̄ > 0 everywhere, and there are creases or, by default, none.
 
     Towards a straight fixed edge one principal curvature is unbounded there. Bending energy is infinite and angle defects are of first
     order in the length of edges, whereas the smooth measure is of order 1.5.
     """
-    problem = problem.without_dummies()
+    problem = with_level_edges_held(problem.without_dummies())
     rim = boundary_vertices(problem.vertices, problem.faces)
     held = bool((problem.roles[rim] == FIXED).all() and rim.any())
     targets = problem.targets[problem.asked]

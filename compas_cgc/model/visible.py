@@ -17,6 +17,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.measured_curvature import MeasuredCurvature
 from ..discrete.topology import within_rings
+from .goals.binding import bind
 from .problem import CGCProblem
 from .roles import FIXED
 
@@ -71,11 +72,14 @@ def points(problem: CGCProblem, measured: MeasuredCurvature) -> Points:
 
 
 def on_held_edges(problem: CGCProblem) -> Mask:
-    """Return the vertices (n,) on edges of the boundary and of creases whose ends are both fixed."""
+    """Return the vertices (n,) on edges of the boundary and of creases whose ends are both fixed, or given heights by goals."""
     edges = edge_faces(problem.faces)
     candidates = np.vstack([edges[edges[:, 3] < 0, :2], problem.creases])
-    found = np.zeros(len(problem.vertices), bool)
-    found[candidates[(problem.roles == FIXED)[candidates].all(axis=1)]] = True
+    held, found = problem.roles == FIXED, np.zeros(len(problem.vertices), bool)
+    for place in bind(problem).places if problem.goals else ():
+        if not place.lets_rise:
+            held[np.asarray(place.vertices, np.int64)] = True
+    found[candidates[held[candidates].all(axis=1)]] = True
     return found
 
 

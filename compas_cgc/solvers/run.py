@@ -22,6 +22,7 @@ from ..model.checks import refuse
 from ..model.constraint_data import as_goals
 from ..model.constraints import Constraint
 from ..model.goals.binding import unknown_constants
+from ..model.goals.binding import with_level_edges_held
 from ..model.goals.guess import drawn_constant
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import is_of_whole
@@ -159,9 +160,10 @@ def solve(
         # Faces outside a fixed rim would hide that the rim is fixed.
         posed = posed.without_dummies()
     of_real = callback and _RealOnly(callback, posed.roles != DUMMY)
-    solution = solved_on(surface, posed, own, chosen, of_real) if drawn is not None else None
+    held = with_level_edges_held(posed)
+    solution = solved_on(surface, held, own, chosen, of_real) if drawn is not None else None
     if solution is None:
-        solution = _run(method, posed, chosen, of_real)
+        solution = _run(method, held, chosen, of_real)
     solution = _allowed(posed, solution)
     mesh = problem if isinstance(problem, CGCMesh) and targets is None and laws is None else None
     return SolveResult.from_solution(posed, solution, chosen, mesh, diagnostics)

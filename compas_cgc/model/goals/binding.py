@@ -53,6 +53,7 @@ __all__ = [
     "support_height",
     "unknown_constants",
     "unknown_regions",
+    "with_level_edges_held",
     "without_constants",
 ]
 
@@ -291,16 +292,36 @@ def _on_region(problem: CGCProblem, region: int) -> np.ndarray:
     return inside
 
 
-def _rings(problem: CGCProblem, goal: Level, name: str) -> list[PositionConstraint]:
+def _rings(problem: CGCProblem, goal: Level, name: str) -> list[Level]:
     """Return one level goal for every edge that it names."""
     if not isinstance(goal.vertices, str):
         order = np.unique(np.asarray(goal.vertices, dtype=np.int64), return_index=True)
         points = problem.vertices if goal.points is None else np.asarray(goal.points, dtype=np.float64)
         return [replace(goal, vertices=order[0].tolist(), points=points[order[0] if goal.points is None else order[1]])]
-    runs = [np.sort(path[problem.roles[path] == FREE]) for path, _ in _free_edges(problem)]
+    runs = [np.unique(path) for path, _ in _free_edges(problem)]
     if not runs:
         raise ProblemError([NO_EDGE.format(name)])
     return [replace(goal, vertices=path.tolist(), points=problem.vertices[path]) for path in runs]
+
+
+def with_level_edges_held(problem: CGCProblem) -> CGCProblem:
+    """Return the problem with level edges that end at supports held at the height of these, which leaves them no choice."""
+    if not any(isinstance(goal, Level) for goal in problem.goals):
+        return problem
+    others = [goal for goal in problem.goals if not isinstance(goal, Level)]
+    edges = [edge for goal in problem.goals if isinstance(goal, Level) for edge in _rings(problem, goal, goal_name(goal))]
+    vertices, roles, left = problem.vertices.copy(), problem.roles.copy(), len(edges) + 1
+    while len(edges) < left:  # Edges that meet at the end of a crease have one height.
+        left = len(edges)
+        for edge in list(edges):
+            at, plan = np.asarray(edge.vertices, dtype=np.int64), np.asarray(edge.points, dtype=np.float64)
+            fixed = roles[at] == FIXED
+            if fixed.any():
+                height = vertices[at[fixed], 2].mean()
+                vertices[at[~fixed]] = np.column_stack([plan[~fixed, :2], np.full(np.count_nonzero(~fixed), height)])
+                roles[at] = FIXED
+                edges.remove(edge)
+    return replace(problem, vertices=vertices, roles=roles, goals=(*others, *edges))
 
 
 def _sheets(problem: CGCProblem, goal: EdgeInPlan, name: str) -> list[PositionConstraint]:

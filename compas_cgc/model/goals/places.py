@@ -54,6 +54,11 @@ class EdgeInPlan(PositionConstraint):
         if self.points is not None:
             in_plan(self.points, "points of an edge in plan", 2)
 
+    @property
+    def lets_rise(self) -> bool:
+        """True: only the plan is given."""
+        return True
+
     def admits(self, up: float) -> bool:
         """Check whether the goal can follow a motion: the z axis must stay vertical."""
         return up != 0.0
@@ -72,12 +77,12 @@ class EdgeInPlan(PositionConstraint):
 
 @dataclass(frozen=True)
 class Level(PositionConstraint):
-    """Keep an edge level and its plan unchanged while its height is free, such as the ring of an oculus.
+    """Keep an edge level and its plan unchanged, such as the ring of an oculus; its height is free unless it ends at supports.
 
     Parameters
     ----------
     vertices
-        Vertices of the edge, or ``"free"`` for every free edge, each with its own height.
+        Vertices of the edge, or ``"free"`` for every free edge, each with its own height or that of the supports at its ends.
     points
         ``(k, 2)`` or ``(k, 3)`` position in plan of every vertex [L]. Default: that in the drawing.
 

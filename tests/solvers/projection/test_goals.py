@@ -285,7 +285,7 @@ def test_places_that_contradict_each_other_are_named():
     problem = roof(n=8)
     at = np.flatnonzero(problem.vertices[:, 0] == 0)[2:4].tolist()
     with pytest.raises(ProblemError, match="the height 3 .* and the height 2 .* contradict each other on the level edge"):
-        solve(problem, goals=[Level(), Height([at[0]], 2.0), Height([at[1]], 3.0)])
+        solve(problem, goals=[Level(at), Height([at[0]], 2.0), Height([at[1]], 3.0)])
     result = solve(problem, goals=[OnLine(at[:1], (0, 4, 5), (1, 0, 0)), Height(at[:1], 2.0)])
     assert not result.converged and "and the height of vertices contradict each other there" in result.message
     away = project(problem.with_goals([EdgeInPlan(at, [(100, 100), (200, 100)])]))
