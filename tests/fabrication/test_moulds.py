@@ -278,6 +278,26 @@ def test_one_mould_for_every_k_and_every_panel_fits(roof):
     assert json.loads(json.dumps(report.to_dict()))["moulds"][1]["K"] == -0.01
 
 
+def test_a_panel_around_a_hole_with_a_slit_within_faces_is_laid_out():
+    """Its whole faces form a ring, as they are wider than the slit."""
+    dome = solve(
+        CGCProblem(*grid(12, 4.0)).with_supports("boundary").with_targets(0.05), method="newton", settings={"measure": "exact"}
+    ).problem
+    found = panels(dome, 0.8)
+    cut = found[0].cut
+    assert cut is not None
+    centres = np.array([cut.vertices[cut.faces[panel.faces]].mean(axis=(0, 1))[:2] for panel in found])
+    middle = centres[np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1))]
+    around = np.argsort(np.linalg.norm(centres - middle, axis=1))[1:9]
+    above = around[np.argmin(np.linalg.norm(centres[around] - middle - [0.0, 0.8], axis=1))]
+    beside = around[np.argmin(np.linalg.norm(centres[around] - middle - [0.8, 0.8], axis=1))]
+    slit = np.isin(cut.parent[found[above].faces], cut.parent[found[beside].faces])
+    ring = np.concatenate([found[k].faces[~slit] if k == above else found[k].faces for k in around])
+    assert slit.any() and len(boundary_loops(dome.faces[np.unique(cut.parent[ring])])) == 2
+    (panel,) = moulds(dome, [Panel("0-1", 0, ring, cut)]).panels
+    assert panel.gap < 1e-9 and panel.edge_error < 1e-11
+
+
 def test_panels_flattened_are_strained_by_the_rule_for_their_own_width():
     """They are divided in plan: on the roof they are longer than that along one side, and askew."""
     roof = solve(nine_regions(48), method="projection", settings={"measure": "exact"})
