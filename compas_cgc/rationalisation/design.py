@@ -181,7 +181,8 @@ def _from_file(path: Path, seams: Optional[str]) -> GivenDesign:
         drawn = read_drawn_design(path, seams)
     surface = None if drawn.spline is None else SplineSurface(*drawn.spline)
     polygons = [list(dict.fromkeys(face)) for face in drawn.faces.tolist()]
-    of_drawing = tuple(drawn.supports), tuple(drawn.seams), Drawing(path.stem, drawn.units, drawn.tolerance), tuple(drawn.notes)
+    drawing = Drawing(path.stem, drawn.units, drawn.tolerance, north=drawn.north)
+    of_drawing = tuple(drawn.supports), tuple(drawn.seams), drawing, tuple(drawn.notes)
     return GivenDesign(surface, drawn.vertices, polygons, drawn.tolerance, *of_drawing)
 
 

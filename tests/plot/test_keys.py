@@ -19,6 +19,7 @@ from compas_cgc.fabrication.picture_key import round_below
 from compas_cgc.plot.view import View
 from compas_cgc.plot.view import project
 from compas_cgc.plot.view import view_axes
+from compas_cgc.rationalisation.design import given_design
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +81,7 @@ def test_files_keep_their_north(plan, tmp_path):
         compas_cgc.write(tmp_path / name, plan)
         north = compas_cgc.read(tmp_path / name).to_problem().drawing.north
         assert np.cross([*north, 0.0], [1.0, 1.0, 0.0]) == pytest.approx(0.0) and min(north) > 0.0
+    assert given_design(tmp_path / "plan.3dm").drawing.north == pytest.approx((0.5**0.5, 0.5**0.5))
     turned = plan.transformed([[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
     assert turned.drawing.north == pytest.approx((-1.0, 1.0))
     mesh = CGCMesh.from_problem(plan)

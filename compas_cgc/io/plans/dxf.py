@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable
@@ -17,10 +18,12 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ...meshing.cleanup import Omission
+from ...model.problem import Drawing
 from .._files import read_bytes
 from ..cleanup import MAX_COORDINATE
 from ..cursor import READ_LIMITS
 from ..cursor import guarded
+from ..rhino.units import plan_north
 from .joining import joined
 from .plan import Layer
 from .plan import Plan
@@ -94,13 +97,32 @@ def read_dxf_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Opti
     paper = sum(len(layout) for layout in document.layouts if not layout.is_modelspace)
     if paper and not (curves or found.meshes):
         notes.append(f"{paper} objects lie in paper space, which is not read; move them to model space")
-    return Plan(made.curves, points, found.meshes, chosen.listed(), unit, made.tolerance, notes)
+    north, unread = _north(document)
+    return Plan(made.curves, points, found.meshes, chosen.listed(), unit, made.tolerance, [*notes, *unread], north)
+
+
+def _north(document: Any) -> tuple[tuple[float, float], list[str]]:
+    """Return the direction of north in plan from the geographic location of a drawing, and notes.
+
+    The angle ``$NORTHDIRECTION`` gives no direction, as DXF does not define its sense of rotation.
+    """
+    location = document.modelspace().get_geodata()
+    # Damaged drawings hold other objects, or handles, in its place.
+    if getattr(location, "DXFTYPE", "") == "GEODATA":
+        direction = location.dxf.north_direction
+        return plan_north(direction.x, direction.y), []
+    angle = math.degrees(document.header.get("$NORTHDIRECTION", 0.0))
+    notes = [
+        f"the drawing has an angle of {angle:.3g}° between y and north ($NORTHDIRECTION), whose sense of rotation DXF does not define; "
+        "y is used as north; set the geographic location of the drawing (GEOGRAPHICLOCATION) to give its direction"
+    ]
+    return Drawing().north, notes if angle else []
 
 
 def _document(path: Path) -> Any:
     try:
         from ezdxf import recover
-        from ezdxf.document import Drawing
+        from ezdxf.document import Drawing as Document
         from ezdxf.lldxf.tagger import binary_tags_loader
     except ImportError:
         raise FileError(f"{path}: reading DXF needs ezdxf; install it: pip install 'compas_cgc[fabrication]'") from None
@@ -109,7 +131,7 @@ def _document(path: Path) -> Any:
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
     with guarded(path):
         if content.startswith(BINARY):
-            return Drawing.load(binary_tags_loader(content))
+            return Document.load(binary_tags_loader(content))
         return recover.read(io.BytesIO(content))[0]
 
 

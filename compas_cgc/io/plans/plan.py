@@ -11,6 +11,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...model.problem import Drawing
 
 __all__ = ["Layer", "Plan", "PlanCurve", "PlanMesh", "left_outside", "length", "plan_data", "roles", "size"]
 
@@ -55,6 +56,7 @@ class Plan(NamedTuple):
     unit: str  # unit of Rhino such as Millimeters, empty if not stated in the file
     tolerance: float  # distance within which ends of curves were joined [L]
     notes: list[str]  # changes made and objects ignored
+    north: tuple[float, float] = Drawing().north  # direction in plan
 
 
 def size(curves: Sequence[PlanCurve]) -> float:

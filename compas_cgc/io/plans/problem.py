@@ -114,6 +114,7 @@ def problem_of_plan(
         tolerance=plan.tolerance,
         crease=crease,
         notes=notes,
+        north=plan.north,
     )
 
 

@@ -13,6 +13,7 @@ from ...errors import FileError
 from ..rhino.archive import list_items
 from ..rhino.archive import read_archive
 from ..rhino.curves import to_drawn
+from ..rhino.units import north_of
 from ..rhino.units import unit_name
 from .joining import joined
 from .plan import Layer
@@ -74,4 +75,5 @@ def read_3dm_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Opti
         unit_name(archive.Settings.ModelUnitSystem),
         made.tolerance,
         notes,
+        north_of(archive),
     )

@@ -15,6 +15,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import FileError
+from ...model.problem import Drawing
 from ..cursor import guarded
 from .archive import Item
 from .archive import list_items
@@ -29,6 +30,7 @@ from .meshes import has_mesh
 from .meshes import to_part
 from .parametric import ParametricSurface
 from .surfaces import surface_part
+from .units import north_of
 from .units import unit_name
 
 __all__ = ["DrawnDesign", "DrawnSpline", "read_all_curves", "read_drawn_design"]
@@ -57,6 +59,7 @@ class DrawnDesign(NamedTuple):
     units: Optional[str]
     tolerance: float  # [L]
     notes: list[str]
+    north: tuple[float, float] = Drawing().north  # direction in plan
 
 
 def read_drawn_design(path: Union[str, os.PathLike], seams: Optional[str] = None) -> DrawnDesign:
@@ -94,14 +97,14 @@ def _drawn_design(path: Union[str, os.PathLike], seams: Optional[str]) -> DrawnD
         raise FileError(f"{path}: there are no curves on the layer {seams!r}; draw the seams on it, or choose another layer")
     held = [_places(item, tolerance) for item in items if _last(item.layer) == SUPPORTS and item.kind in ("curve", "point", "point cloud")]
     spline = _spline(surfaces[0].geometry) if len(surfaces) == 1 else None
-    units = unit_name(archive.Settings.ModelUnitSystem)
+    units, north = unit_name(archive.Settings.ModelUnitSystem), north_of(archive)
     if spline is not None:
-        return DrawnDesign(spline, np.empty((0, 3)), np.empty((0, 4), np.int64), held, lines, units, tolerance, said)
+        return DrawnDesign(spline, np.empty((0, 3)), np.empty((0, 4), np.int64), held, lines, units, tolerance, said, north)
     parts, notes = zip(*(_meshed(item, surfaces, tolerance) for item in surfaces))
     counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     vertices = np.concatenate([part.vertices for part in parts])
     faces = np.concatenate([part.faces + count for part, count in zip(parts, counts)])
-    return DrawnDesign(None, vertices, faces, held, lines, units, tolerance, [*said, *(note for own in notes for note in own)])
+    return DrawnDesign(None, vertices, faces, held, lines, units, tolerance, [*said, *(note for own in notes for note in own)], north)
 
 
 def read_all_curves(path: Union[str, os.PathLike]) -> list[FloatArray]:

@@ -10,7 +10,7 @@ from ._types import Archive
 from ._types import UnitSystem
 from .archive import rhino3dm_module
 
-__all__ = ["north_of", "set_north", "unit_name", "unit_system"]
+__all__ = ["north_of", "plan_north", "set_north", "unit_name", "unit_system"]
 
 
 def unit_name(system: UnitSystem) -> str:
@@ -37,8 +37,13 @@ def unit_system(name: str) -> UnitSystem:
 def north_of(archive: Archive) -> tuple[float, float]:
     """Return the direction of north in plan, as set by the earth anchor point of a file; y where it has none."""
     north = archive.Settings.EarthAnchorPoint.ModelNorth
-    length = math.hypot(north.X, north.Y)
-    return (north.X / length, north.Y / length) if math.isfinite(length) and length > 0.0 else Drawing().north
+    return plan_north(north.X, north.Y)
+
+
+def plan_north(x: float, y: float) -> tuple[float, float]:
+    """Return the unit vector of a direction of north in plan, y if it has no finite length."""
+    length = math.hypot(x, y)
+    return (x / length, y / length) if math.isfinite(length) and length > 0.0 else Drawing().north
 
 
 def set_north(archive: Archive, north: tuple[float, float]) -> None:

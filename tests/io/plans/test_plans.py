@@ -215,6 +215,25 @@ def test_a_3dm_file_gives_the_same_plan(tmp_path):
     assert roles(plan) == ["outline", "crease"] and np.allclose(plan.points, [[2, 3, 0]])
 
 
+def test_north_is_that_of_the_geographic_location(tmp_path, drawn):
+    def located(document, model):
+        _square(document, model)
+        model.new_geodata({"north_direction": (3.0, 4.0)})
+        document.header["$NORTHDIRECTION"] = 0.6435
+
+    def angle_only(document, model):
+        _square(document, model)
+        document.header["$NORTHDIRECTION"] = 0.5236
+
+    plan = drawn(located)
+    assert plan.north == pytest.approx((0.6, 0.8)) and not any("north" in note for note in plan.notes)
+    assert read_problem(tmp_path / "plan.dxf", edge_length=1.0).checked().drawing.north == pytest.approx((0.6, 0.8))
+    unread = drawn(angle_only)
+    assert unread.north == (0.0, 1.0)
+    (note,) = [note for note in unread.notes if "north" in note]
+    assert note.startswith("the drawing has an angle of 30° between y and north") and "y is used as north" in note
+
+
 def test_an_inner_closed_curve_is_a_hole_from_every_door(tmp_path):
     inner = [[4, 2, 0], [6, 2, 0], [6, 4, 0], [4, 4, 0]]
     sketch = Sketch()
