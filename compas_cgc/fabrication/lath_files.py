@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
+from .drawing import clearance
 from .drawing import text_box
 from .laths import Lath
 from .laths import LathSchedule
@@ -201,12 +203,38 @@ def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
     height = PLAN_TEXT * mm * float(np.ptp(np.concatenate([lath.path for lath in schedule.laths]), axis=0).max())
     paths = [mm * lath.path[:, :2] - origin for lath in schedule.laths]
     names = [f"L{lath.number}" for lath in schedule.laths]
-    numbers = {node: place for lath in schedule.laths for node, place in zip(lath.nodes.tolist(), mm * lath.points[:, :2] - origin)}
-    boxes = [text_box(str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
+    numbers = _node_numbers(schedule, origin, 0.5 * height)
+    boxes = [text_box(own.text, own.place, own.height) for own in numbers]
     texts = [Text("LABEL", name, place, height) for name, place in zip(names, names_at_starts(names, paths, height, boxes))]
-    texts += [Text("NODE", str(node), place + 0.5 * height, 0.5 * height) for node, place in numbers.items()]
+    texts += numbers
     lines = [Line("PLAN", path) for path in paths]
     left, top = float(min(path[:, 0].min() for path in paths)), float(max(path[:, 1].max() for path in paths))
     width = float(max(path[:, 0].max() for path in paths)) - left
     key = key_of_plan(schedule.key._replace(unit="mm"), np.array([left, top + 4.0 * height]), width, height)
     return Drawing([*lines, *key[0]], [*texts, *key[1]], (0.0, 0.0), "Millimeters")
+
+
+def _node_numbers(schedule: LathSchedule, origin: FloatArray, height: float) -> list[Text]:
+    """Return the numbers of nodes in plan, each between its laths where their angle is widest, clear of both, moved by -origin [mm]."""
+    mm = 1e3 * schedule.unit
+    places: dict[int, FloatArray] = {}
+    normals: dict[int, list[FloatArray]] = {}
+    for lath in schedule.laths:
+        path, points = lath.path[:, :2], lath.points[:, :2]
+        tangents = np.gradient(path, axis=0)[cKDTree(path).query(points)[1]]
+        for node, place, (x, y) in zip(lath.nodes.tolist(), mm * points - origin, tangents.tolist()):
+            places[node] = place
+            own = normals.setdefault(node, [])
+            # An upright lath is a point in plan.
+            if x or y:
+                own.append(np.array([-y, x]) / np.hypot(x, y))
+    texts = []
+    for node, place in places.items():
+        own = normals[node] or [np.array([0.0, 1.0])]
+        first, second = own[0], own[-1]
+        # The widest angle of two lines lies about the sum of their normals if these point to the same side, to the right or upwards.
+        direction = first + second if first @ second > 0.0 else first - second
+        direction = direction / np.linalg.norm(direction) * (1.0 if tuple(direction) > (0.0, 0.0) else -1.0)
+        away = max(clearance(str(node), height, normal) / abs(float(normal @ direction)) for normal in own)
+        texts.append(Text("NODE", str(node), place + away * direction, height))
+    return texts

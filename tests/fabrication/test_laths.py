@@ -13,6 +13,7 @@ from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication.drawing import LETTER_WIDTH
+from compas_cgc.fabrication.lath_files import draw_laths
 from compas_cgc.fabrication.lath_files import schedule_text
 from compas_cgc.fabrication.laths import lath_schedule
 from compas_cgc.io.nets import write_net
@@ -172,6 +173,16 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
         for other, beside, _ in in_plan[:i]:
             width = 0.5 * LETTER_WIDTH * height * (len(name) + len(other))
             assert abs(place[0] - beside[0]) > width or abs(place[1] - beside[1]) > height
+    # Numbers of nodes in the plan are clear of the axes.
+    axes = shapely.MultiLineString(plan)
+    numbers = [text for text in document.modelspace().query('TEXT[layer=="NODE"]') if "/" not in text.dxf.text]
+    assert len(numbers) == len(net.nodes)
+    crossed = 0
+    for text in numbers:
+        x, y, _ = text.get_placement()[1]
+        half = 0.5 * text.dxf.height * np.array([LETTER_WIDTH * len(text.dxf.text), 1.0])
+        crossed += axes.intersects(shapely.box(x - half[0], y - half[1], x + half[0], y + half[1]))
+    assert crossed == 0
     schedule = lath_schedule(net, 100.0, 10.0)
     assert len(strips) == len(schedule.laths)
     for strip, lath in zip(strips, schedule.laths):
@@ -180,6 +191,17 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
         crossings = [own.intersection(affinity.rotate(other, angle, use_radians=True)).bounds for angle in lath.angles.tolist()]
         slots = 50.0 * sum(right - left for left, _, right, _ in crossings)
         assert strip.is_valid and strip.area == pytest.approx(1e5 * lath.length - slots, rel=1e-3)
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_of_nodes_stand_beside_upright_laths_in_plan(net):
+    schedule = lath_schedule(net)
+    upright = [
+        lath._replace(path=lath.path[:, [1, 1, 0]] * [0, 0, 1], points=lath.points[:, [1, 1, 0]] * [0, 0, 1]) for lath in schedule.laths
+    ]
+    laths = [*upright[:3], *schedule.laths[3:]]
+    texts = [text for text in draw_laths(schedule._replace(laths=laths)).texts if text.layer == "NODE"]
+    assert len(texts) > len(net.nodes) and all(np.isfinite(text.place).all() for text in texts)
 
 
 def test_signs_of_the_schedule_are_those_of_its_notes(net, tmp_path):
