@@ -78,7 +78,8 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
             return [SOUGHT, GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.
-        return [MEETS, GOALS] if has_free_edges(problem) and takes_goals(problem) and not keeps_shape(problem) else [GOALS]
+        loose = has_free_edges(problem) or len(problem.creases)
+        return [MEETS, GOALS] if loose and takes_goals(problem) and not keeps_shape(problem) else [GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]
