@@ -103,6 +103,8 @@ def _elimination_order(system: System, owner: IntArray) -> IntArray:
 
 def _factorised(matrix: sparse.csr_matrix, order: IntArray) -> Callable[[FloatArray], FloatArray]:
     """Return the inverse of a symmetric matrix, by factors in an order of elimination."""
+    if not np.isfinite(matrix.data).all():  # SuperLU would leave its memory.
+        raise SingularMatrixError("the second derivatives are not finite")
     places = np.argsort(order)
     try:
         factors = splu(_reordered(matrix, places), permc_spec="NATURAL", diag_pivot_thresh=PIVOT, options={"SymmetricMode": True})

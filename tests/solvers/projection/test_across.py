@@ -9,11 +9,14 @@ from compas_cgc import CGCMesh
 from compas_cgc import ProjectionSettings
 from compas_cgc import solve
 from compas_cgc.discrete import vertex_normals
+from compas_cgc.linalg import SingularMatrixError
 from compas_cgc.solvers.projection.across import Across
 from compas_cgc.solvers.projection.across import along
 from compas_cgc.solvers.projection.across import can_be_closed_across
 from compas_cgc.solvers.projection.gauss_newton import descend
+from compas_cgc.solvers.projection.optimality import optimality
 from compas_cgc.solvers.projection.projector import Projector
+from compas_cgc.solvers.projection.system import System
 
 WIDTH = 6.0
 
@@ -30,7 +33,8 @@ def solved(K, supports, off):
     problem = roof(K, supports).to_problem()
     projector = Projector(problem)
     local = projector.posed(problem.targets, projector.solve().vertices)
-    system, equations = projector.system, projector.system.equations(local.targets)
+    system = System(local, ProjectionSettings())
+    equations = system.equations(local.targets)
     vertices = local.vertices.copy()
     vertices[system.columns] += off * system.size * np.random.default_rng(3).uniform(-1.0, 1.0, (len(system.columns), 3))
     return system, equations, system.at(vertices, equations)
@@ -70,3 +74,10 @@ def test_a_tolerance_says_how_far_a_surface_comes_to_rest():
     assert near.iterations < exact.iterations
     assert 0.0 < np.abs(near.vertices - exact.vertices).max() < 1e-5 * WIDTH
     assert near.max_error <= 1e-5 * 0.0206
+
+
+def test_a_shape_that_is_lost_is_no_reason_to_crash():
+    """SuperLU may leave its memory where a matrix is not finite."""
+    system, equations, point = solved(0.02, "corners", 0.0)
+    with pytest.raises(SingularMatrixError, match="not finite"):
+        optimality(system, point, equations, np.full(len(system.leading), np.nan))
