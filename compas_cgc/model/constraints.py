@@ -45,7 +45,6 @@ __all__ = [
 
 
 CROWN = "crown"
-UPRIGHT = 1e-9  # component of a unit vector up to which it is level or upright
 
 
 class ClosestPoints(NamedTuple):
@@ -110,11 +109,6 @@ class PositionConstraint(Constraint):
 
     vertices: Union[str, Sequence[int]]
 
-    @property
-    def lets_rise(self) -> bool:
-        """Whether vertices may still move up and down, each by itself."""
-        return False
-
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points to points (k, 3) that fulfil the constraint."""
         raise NotImplementedError
@@ -143,11 +137,6 @@ class OnPlane(PositionConstraint):
     vertices: Sequence[int]
     point: Triple
     normal: Triple
-
-    @property
-    def lets_rise(self) -> bool:
-        """Whether the plane is upright."""
-        return abs(float(unit(self.normal, "the normal of a plane")[2])) <= UPRIGHT
 
     def transformed(self, motion: Motion) -> OnPlane:
         """Return the plane after a motion."""
@@ -224,11 +213,6 @@ class OnLine(PositionConstraint):
     vertices: Sequence[int]
     point: Triple
     direction: Triple
-
-    @property
-    def lets_rise(self) -> bool:
-        """Whether the line is upright."""
-        return float(np.hypot(*unit(self.direction, "the direction of a line")[:2])) <= UPRIGHT
 
     def transformed(self, motion: Motion) -> OnLine:
         """Return the line after a motion."""

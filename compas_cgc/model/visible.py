@@ -18,6 +18,7 @@ from ..discrete.arrays import Mask
 from ..discrete.measured_curvature import MeasuredCurvature
 from ..discrete.topology import within_rings
 from .goals.binding import bind
+from .goals.places import Level
 from .problem import CGCProblem
 from .roles import FIXED
 
@@ -72,12 +73,12 @@ def points(problem: CGCProblem, measured: MeasuredCurvature) -> Points:
 
 
 def on_held_edges(problem: CGCProblem) -> Mask:
-    """Return the vertices (n,) on edges of the boundary and of creases whose ends are both fixed, or given heights by goals."""
+    """Return the vertices (n,) on edges of the boundary and of creases whose ends are both fixed, or on a level edge."""
     edges = edge_faces(problem.faces)
     candidates = np.vstack([edges[edges[:, 3] < 0, :2], problem.creases])
     held, found = problem.roles == FIXED, np.zeros(len(problem.vertices), bool)
     for place in bind(problem).places if problem.goals else ():
-        if not place.lets_rise:
+        if isinstance(place, Level):
             held[np.asarray(place.vertices, np.int64)] = True
     found[candidates[held[candidates].all(axis=1)]] = True
     return found

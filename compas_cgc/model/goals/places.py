@@ -54,11 +54,6 @@ class EdgeInPlan(PositionConstraint):
         if self.points is not None:
             in_plan(self.points, "points of an edge in plan", 2)
 
-    @property
-    def lets_rise(self) -> bool:
-        """True: only the plan is given."""
-        return True
-
     def admits(self, up: float) -> bool:
         """Check whether the goal can follow a motion: the z axis must stay vertical."""
         return up != 0.0

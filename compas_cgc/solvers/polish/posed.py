@@ -59,7 +59,8 @@ def move_directions(problem: CGCProblem) -> FloatArray:
     V, F = problem.vertices, problem.faces
     crosses = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     mean = crosses.sum(axis=0)
-    axis = np.sign(mean) * [0.0, 0.0, 1.0] if problem.goals else mean
+    upright = any(not goal.admits(0.0) for goal in problem.goals)
+    axis = np.sign(mean) * [0.0, 0.0, 1.0] if upright else mean
     length = float(np.linalg.norm(axis))
     # Supports that were lifted off a plan leave cliffs around them.
     between = (problem.roles != FIXED)[F].all(axis=1)
