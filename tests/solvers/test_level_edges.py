@@ -10,6 +10,7 @@ from compas_cgc import Level
 from compas_cgc import ProblemError
 from compas_cgc import Rise
 from compas_cgc import solve
+from compas_cgc.model.goals.binding import with_level_edges_held
 
 
 def roof(n=16, supports="corners", K=0.003, creased=False):
@@ -52,3 +53,10 @@ def test_supports_of_two_heights_on_one_level_edge_are_refused():
     mesh.vertex_attribute(next(iter(mesh.vertices())), "z", 1.0)
     with pytest.raises(ProblemError, match="level edge"):
         solve(mesh, goals=[Level()])
+
+
+def test_without_supports_at_their_ends_nothing_is_held():
+    problem = roof().to_problem().with_goals([Level()])
+    assert with_level_edges_held(problem) is not problem
+    free = problem.with_supports([40])
+    assert with_level_edges_held(free) is free
