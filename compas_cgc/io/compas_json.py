@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import FileError
 from ..meshing.cleanup import Omission
+from ..model.counts import counted
 from ..model.given import plan_direction
 from ..model.problem import Drawing
 from ..model.problem import PosesProblem
@@ -79,7 +80,7 @@ def read_json(path: Path, name: Optional[str] = None) -> tuple[CGCMesh, list[str
         mesh.goals()
     except ValueError as error:
         raise FileError(f"{path}: {error}; set the goals again (mesh.set_goals)") from None
-    left = [f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(Counter(others).items())]
+    left = [counted(count, kind) for kind, count in sorted(Counter(others).items())]
     left += [f"the mesh {other!r}" for other, _ in meshes if other != key]
     return mesh, [Omission(f"beside the mesh the file holds {', '.join(left)}, which was not read")] if left else []
 

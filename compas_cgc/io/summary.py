@@ -10,6 +10,7 @@ from ..fabrication.flattening import STRAIN
 from ..fabrication.flattening import widest_panel
 from ..meshing import Diagnostic
 from ..model.checks import check
+from ..model.counts import counted
 from ..model.lengths import place_text
 from ..model.lengths import unit_suffix
 from ..model.problem import CGCProblem
@@ -43,7 +44,7 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     """
     problem = read.problem
     targets = problem.region_targets()
-    lines = [_head(problem), *(f"- {note}" for note in read.notes), f"{len(targets)} region{'s' if len(targets) > 1 else ''}:"]
+    lines = [_head(problem), *(f"- {note}" for note in read.notes), f"{counted(len(targets), 'region')}:"]
     label, size = problem.regions(), float(np.ptp(problem.vertices, axis=0).max(initial=0.0))
     for number, K in enumerate(targets):
         faces = problem.faces[label == number]

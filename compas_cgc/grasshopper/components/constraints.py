@@ -18,6 +18,7 @@ from ...model.constraints import Height
 from ...model.constraints import Mirror
 from ...model.constraints import OnCurve
 from ...model.constraints import OnPlane
+from ...model.counts import counted
 from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import ask_for
 from ..runtime.component_feedback import reports_errors
@@ -63,7 +64,7 @@ def constraints(
     if mirror is not None:
         origin, normal = plane_arrays(mirror)
         made.append(Mirror(origin.tolist(), normal.tolist()))
-    set_message(component, f"{len(made)} constraint{'' if len(made) == 1 else 's'}")
+    set_message(component, counted(len(made), "constraint"))
     return ConstraintsOutputs(made)
 
 

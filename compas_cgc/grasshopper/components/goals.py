@@ -13,6 +13,7 @@ from ...errors import CGCError
 from ...io.rhino.rhinocommon import curve_to_points
 from ...model.constraints import Constraint
 from ...model.constraints import Height
+from ...model.counts import counted
 from ...model.goals.inequalities import Above
 from ...model.goals.inequalities import Below
 from ...model.goals.inequalities import Clearance
@@ -77,7 +78,7 @@ def goals(
     regions = [int(region) for region in as_list(unknown)]
     if regions:
         made.append(Unknown(ALL if ALL_REGIONS in regions else regions))
-    set_message(component, f"{len(made)} goal{'' if len(made) == 1 else 's'}")
+    set_message(component, counted(len(made), "goal"))
     return GoalsOutputs(made)
 
 

@@ -13,6 +13,7 @@ from ...discrete.arrays import FloatArray
 from ...meshing import Diagnostic
 from ...meshing import path_edges
 from ...model.constraints import Constraint
+from ...model.counts import counted
 from ...model.laws import Law
 from ...model.lengths import unit_suffix
 from ...model.problem import CGCProblem
@@ -108,7 +109,7 @@ def assemble(
         laws=laws,
         drawing=Drawing(name, units, tolerance, asked.places, north),
     )
-    found = f"{len(held)} constraint{'s' if len(held) > 1 else ''} besides K, which the method 'projection' holds"
+    found = f"{counted(len(held), 'constraint')} besides K, which the method 'projection' holds"
     return ReadProblem(
         problem.with_supports(fixed.tolist()),
         (*notes, *joined.notes, *support_notes, *laid.notes, *target_notes, *([found] if held else [])),

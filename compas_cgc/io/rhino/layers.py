@@ -16,6 +16,7 @@ from typing import Union
 from ...errors import FileError
 from ...errors import names_what_was_meant
 from ...meshing.cleanup import Omission
+from ...model.counts import counted
 from .archive import Item
 from .user_text import dot_law
 from .user_text import user_law
@@ -215,7 +216,7 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
     taken = {item.id for part in chosen.values() for item in part}
     kinds = Counter(item.kind for item in others if item.id not in taken and item.kind in ("mesh", "curve", *_POINTS))
     if kinds:
-        listed = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
+        listed = ", ".join(counted(count, kind) for kind, count in sorted(kinds.items()))
         notes.append(f"objects on layers without a role were ignored: {listed}")
     return Selection(**chosen, outlines=outlines, regions=regions, notes=notes)
 

@@ -17,6 +17,7 @@ from ...errors import FileError
 from ...errors import MeshError
 from ...meshing import face_regions
 from ...meshing.cleanup import tidy
+from ...model.counts import counted
 from ._types import Geometry
 from ._types import Mesh
 from .archive import Item
@@ -177,7 +178,7 @@ def _shape_notes(V: FloatArray, F: IntArray, unit: str) -> list[str]:
     low, high = V.min(axis=0), V.max(axis=0)
     size = " x ".join(f"{x:.4g}" for x in high - low)
     pieces = int(face_regions(F, np.empty((0, 2), np.int64)).max()) + 1
-    notes = [f"the mesh has {len(V)} vertices and {len(F)} triangles in {pieces} piece{'s' if pieces > 1 else ''}, {size}{unit}"]
+    notes = [f"the mesh has {len(V)} vertices and {len(F)} triangles in {counted(pieces, 'piece')}, {size}{unit}"]
     area = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     if area[:, 2].sum() < -0.1 * np.linalg.norm(area, axis=1).sum():
         notes.append(

@@ -15,6 +15,7 @@ from ...meshing.outline import Outlined
 from ...meshing.outline import mesh_from_outline
 from ...meshing.outline import own_plane
 from ...meshing.polyline import nearest_on_polyline
+from ...model.counts import counted
 from .curves import EDGE_ACCURACY
 from .curves import curve_points
 from .curves import to_drawn
@@ -113,7 +114,7 @@ def outlined(
     lines = [crease for crease in creases if len(crease.points) > 1]
     made = mesh_from_outline(boundary, holes, [crease.points for crease in lines], edge_length, tolerance, columns)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
-    within = f" and {len(holes)} hole{'s' if len(holes) > 1 else ''}" if holes else ""
+    within = f" and {counted(len(holes), 'hole')}" if holes else ""
     note = f"a mesh with edges of about {edge_length:g} was generated from an outline{within}"
     twice = ["duplicate outlines were used once"] if len(rings) < len(outlines) else []
     if count:
