@@ -108,13 +108,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             break
         if allowed.spent or contradiction(problem):  # Nothing else arrives at what is not there.
             break
+    last = tried[-1]
     # How much of a goal can be had says more than a rough surface with all of it.
-    unmet = next((pair for pair in tried if pair[0].status == "infeasible"), None)
-    if rough and unmet is None:
+    if rough and last[0].status != "infeasible":
         _, best, choice = min(rough, key=lambda one: one[0])
         reasons = partial(why_rough, problem)
     else:
-        best, choice = unmet or (tried[-1] if tried[-1][0].status in OVER else min(tried, key=lambda pair: pair[0].max_error))
+        best, choice = last if last[0].status in OVER else min(tried, key=lambda pair: pair[0].max_error)
         reasons = partial(why_not_found, problem, best.status)
     with allowed.for_reasons().counted():
         why = reasons()

@@ -22,6 +22,7 @@ from ..constraints import Constraint
 from ..constraints import Height
 from ..constraints import PositionConstraint
 from ..constraints import indices
+from ..counts import counted
 from ..problem import CGCProblem
 from ..roles import DUMMY
 from ..roles import FIXED
@@ -168,7 +169,7 @@ def unknown_constants(problem: CGCProblem) -> list[UnknownConstant]:
         lost = [region for region in numbers if not 0 <= region < count]
         if lost:
             mend = f"name regions from 0 to {count - 1}, or 'all'"
-            raise ProblemError([f"the goal Unknown names region {lost[0]}, but the mesh has {count} region{'s' * (count != 1)}; {mend}"])
+            raise ProblemError([f"the goal Unknown names region {lost[0]}, but the mesh has {counted(count, 'region')}; {mend}"])
         again = [region for region in numbers if region in named]
         if any(replace(named[region], regions=ALL) != replace(goal, regions=ALL) for region in again):
             raise ProblemError([f"two goals Unknown say different things about region {again[0]}; name it in one of them"])
@@ -306,10 +307,9 @@ def _rings(problem: CGCProblem, goal: Level, name: str) -> list[Level]:
 
 def with_level_edges_held(problem: CGCProblem) -> CGCProblem:
     """Return the problem with level edges that end at supports held at the height of these, which leaves them no choice."""
-    if not any(isinstance(goal, Level) for goal in problem.goals):
-        return problem
-    others = [goal for goal in problem.goals if not isinstance(goal, Level)]
     edges = [edge for goal in problem.goals if isinstance(goal, Level) for edge in _rings(problem, goal, goal_name(goal))]
+    if not edges:
+        return problem
     vertices, roles, left = problem.vertices.copy(), problem.roles.copy(), len(edges) + 1
     while len(edges) < left:  # Edges that meet at the end of a crease have one height.
         left = len(edges)
@@ -323,6 +323,7 @@ def with_level_edges_held(problem: CGCProblem) -> CGCProblem:
                 edges.remove(edge)
     if np.array_equal(roles, problem.roles):
         return problem  # whose goals for all free edges hold on coarser meshes, too
+    others = [goal for goal in problem.goals if not isinstance(goal, Level)]
     return replace(problem, vertices=vertices, roles=roles, goals=(*others, *edges))
 
 

@@ -15,7 +15,7 @@ from .optimality import optimality
 from .sequential import Reached
 from .system import System
 
-__all__ = ["MOST", "brought_to_rest", "rests", "to_rest"]
+__all__ = ["brought_to_rest", "rests"]
 
 MOST = 500  # vertices that may move, up to which the matrix is factorised
 NEAR = 1e-2  # step, against the size of the mesh, that leads elsewhere
@@ -35,12 +35,12 @@ def brought_to_rest(system: System, equations: CurvatureEquations, reached: Reac
     if not rests(system, equations):
         return None
     try:
-        return to_rest(optimality(system, reached.point, equations, reached.multipliers), equations, reached)
+        return _to_rest(optimality(system, reached.point, equations, reached.multipliers), equations, reached)
     except SingularMatrixError:
         return None
 
 
-def to_rest(solved: Optimality, equations: CurvatureEquations, reached: Reached) -> Optional[Reached]:
+def _to_rest(solved: Optimality, equations: CurvatureEquations, reached: Reached) -> Optional[Reached]:
     """Return the fairest shape by Newton's steps with one matrix, that of a shape near to it; None where they do not lead there.
 
     References
