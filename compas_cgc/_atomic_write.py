@@ -141,7 +141,7 @@ def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
     Raises
     ------
     FileError
-        If the file cannot be written, or `path` is a folder.
+        If the file cannot be written, `path` is a folder, or another file of :func:`published_together` has the same path.
     """
     if os.path.isdir(path):
         raise FileError(f"{path} is a folder; give the path of a file in it")
@@ -156,13 +156,15 @@ def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
 def _replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
     special = os.path.exists(path) and not os.path.isfile(path)
     target = Path(path) if special else Path(os.path.realpath(path))
+    together = _outputs.get()
+    if not special and together is not None and any(target == other for _, other in together.files):
+        raise FileError(f"two outputs would be written to {path}; give one of them another name")
     folder = Path(tempfile.gettempdir()) if special else target.parent
     folder.mkdir(parents=True, exist_ok=True)
     recover(folder)
     handle, name = tempfile.mkstemp(prefix=f".{target.stem[:100]}.cgc-{_HOST}-{os.getpid()}-", suffix=target.suffix, dir=folder)
     os.close(handle)
     temporary = Path(name)
-    together = _outputs.get()
     outputs = _Outputs() if together is None else together
     try:
         yield temporary

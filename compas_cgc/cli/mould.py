@@ -83,6 +83,9 @@ def run(arguments: argparse.Namespace) -> int:
     for path in arguments.schedule:
         if Path(path).suffix.lower() not in (".csv", ".pdf"):
             raise FileError(f"the schedule must be a .csv or .pdf file, not {Path(path).name!r}")
+    page_path = outputs[0].with_suffix(".pdf")
+    if not arguments.no_page and page_path in map(Path, arguments.schedule):
+        raise FileError(f"the page of pictures is {page_path}; give the schedule another name, or use --no-page")
     echo = printer(arguments.quiet)
     settings = settings_of(arguments, "mould")
     problem = read_solved(arguments)
@@ -102,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
         if page is not None:
             from ..plot import save
 
-            written.append(save(page, outputs[0].with_suffix(".pdf")))
+            written.append(save(page, page_path))
         written += [_write_schedule(Path(path), problem, report, Path(arguments.input).stem) for path in arguments.schedule]
         if arguments.report:
             written.append(_write_report(arguments, report))

@@ -123,11 +123,14 @@ def test_a_file_without_targets_takes_them_by_region(result, tmp_path, capsys):
         (["--size", "1", "--target", "1.0"], "the surface is rough"),
         (["--curves", "Nowhere"], "the layer 'Nowhere' has no curves"),
         (["--size", "1", "--along", "laths"], "along must be one of plan, curvature"),
+        (["--size", "1", "--schedule", "{folder}/moulds.pdf"], "the page of pictures is"),
+        (["--size", "1", "--no-page", "--schedule", "{folder}/moulds.csv", "--schedule", "{folder}/moulds.csv"], "two outputs would be"),
         (["--size", "1", "--target", "wide"], "--target must be a number or REGION=NUMBER"),
     ],
 )
 def test_what_makes_no_sense_is_told_in_a_sentence_and_nothing_is_written(solved, tmp_path, capsys, given, sentence):
     before = sorted(tmp_path.iterdir())
+    given = [own.format(folder=tmp_path) for own in given]
     output, figures = tmp_path / "moulds.3dm", tmp_path / "moulds.json"
     assert main(["mould", str(solved), "-o", str(output), "--report", str(figures), *given]) == 2
     error = capsys.readouterr().err
