@@ -34,6 +34,7 @@ from .caps import smallest_cap
 from .development import Development
 from .development import check_disk
 from .development import lay_out
+from .figures import unit_symbol
 from .fitting import rigid_fits
 from .materials import Material
 from .materials import material_named
@@ -246,8 +247,8 @@ def _on(problem: CGCProblem, panel: Panel, K: float, parts: PanelParts, arc: boo
     edge = float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).mean())
     if there.gap > MAX_GAP * edge:
         raise CGCError(
-            f"panel {panel.name} does not close on a mould of K = {K:.4g}: gaps of {there.gap:.3g}; "
-            "solve the surface for this K first, best with measure='exact'"
+            f"panel {panel.name} does not close on a mould of K = {K:.4g}: gaps of {there.gap:.3g} {unit_symbol(problem.drawing.units)}; "
+            "solve the surface for this K first, best with the measure exact"
         )
     cap = smallest_cap(there.on_form, K)
     laid = laid.turned(space_form.to_pole(cap.centre, K))

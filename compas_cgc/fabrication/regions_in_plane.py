@@ -21,6 +21,7 @@ from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from ..model.problem import CGCProblem
 from ..model.roles import INTERNAL
+from .figures import unit_symbol
 from .flattening import flatten
 from .layout import among
 from .layout import cut_open
@@ -139,7 +140,7 @@ def _region(problem: CGCProblem, region: int, own: IntArray, target: Optional[fl
     if flat and layout.gap > GAP_TOLERANCE * size:
         worst = problem.names.vertices[origin[np.argmax(np.where(asked, defect, 0.0))]]
         raise CGCError(
-            f"region {region} does not unroll: gaps of up to {layout.gap:.3g} "
+            f"region {region} does not unroll: gaps of up to {layout.gap:.3g} {unit_symbol(problem.drawing.units)} "
             f"({100 * layout.gap / size:.2g} % of its size), the largest at vertex {worst}; "
             "solve it for K = 0 first, on irregular meshes with the measure exact"
         )
