@@ -210,7 +210,7 @@ def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
     lines = [Line("PLAN", path) for path in paths]
     left, top = float(min(path[:, 0].min() for path in paths)), float(max(path[:, 1].max() for path in paths))
     width = float(max(path[:, 0].max() for path in paths)) - left
-    key = key_of_plan(schedule.key._replace(unit="mm"), np.array([left, top + 4.0 * height]), width, height)
+    key = key_of_plan(schedule.key, np.array([left, top + 4.0 * height]), width, height, "Millimeters")
     return Drawing([*lines, *key[0]], [*texts, *key[1]], (0.0, 0.0), "Millimeters")
 
 

@@ -14,6 +14,7 @@ from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
+from .figures import metres
 from .picture_key import Key
 from .picture_key import draw_key
 
@@ -35,21 +36,23 @@ def outside_note(above: Optional[bool]) -> str:
     return f"outside: the side to which the normals of the surface point{where}"
 
 
-def key_of_plan(key: Key, at: FloatArray, width: float, height: float) -> tuple[list[Line], list[Text]]:
-    """Return the key of a plan, 1:1, on the layer LEGEND.
+def key_of_plan(key: Key, at: FloatArray, width: float, height: float, units: Optional[str]) -> tuple[list[Line], list[Text]]:
+    """Return the key of a plan, 1:1 and in millimetres like all dimensions on it, on the layer LEGEND.
 
     Parameters
     ----------
     key
-        Scale, north and words.
+        North and words.
     at
         ``(2,)`` left end of the scale bar [L].
     width
         Width of the plan [L].
     height
         Height of the texts [L].
+    units
+        Units of the lengths L by name.
     """
-    marks = draw_key(key, width, 1.0, height, np.eye(3)).moved(at)
+    marks = draw_key(key._replace(unit="mm"), width, 0.001 / metres(units), height, np.eye(3)).moved(at)
     texts = [Text("LEGEND", text, place, height, starts=True) for text, place in marks.texts]
     return [Line("LEGEND", line) for line in marks.lines], texts
 

@@ -115,7 +115,7 @@ def draw_quads(quads: PlaneQuads) -> Drawing:
     title = f"{len(faces)} faces and above them {len(beams)} beams of a depth of {mm * quads.depth:.1f} mm, flat at 1:1, in mm"
     texts.append(Text("SHEET", title, np.array([0.5 * right, low - 6.0 * height]), 2.0 * height))
     # Parts lie turned, so that there is no north.
-    key = key_of_plan(Key("mm", None, key_of(quads.problem).words), np.array([0.0, low]), right, 1.5 * height)
+    key = key_of_plan(Key("", None, key_of(quads.problem).words), np.array([0.0, low]), right, 1.5 * height, "Millimeters")
     drawing = Drawing([*lines, *key[0]], [*texts, *key[1]], (right, low), "Millimeters")
     return with_legend(drawing, MEANINGS, quad_notes(quads), 1.5 * height)
 

@@ -27,7 +27,6 @@ from .drawing import roomiest
 from .drawing import text_box
 from .figures import in_mm
 from .figures import metres
-from .figures import unit_symbol
 from .leaders import LED_SIZES
 from .leaders import READABLE
 from .leaders import crosses
@@ -164,11 +163,11 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
     drawn_seams = _drawn_seams(patterns, origins, labels, taken, mark, height)
     lines, texts = [*lines, *drawn_seams[0]], [*texts, *drawn_seams[1]]
     size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
-    words = (*key_of(patterns.problem).words, "north, and where the pieces lie: in the plan of the pieces")
-    key = Key(unit_symbol(patterns.problem.drawing.units), None, words)
-    drawn_key = key_of_plan(key, np.array([0.0, size[1] + 6.0 * height]), length, 1.5 * height)
+    units = patterns.problem.drawing.units
+    words = (*key_of(patterns.problem).words, "the plan of the pieces shows where each piece lies on the roof, and north")
+    drawn_key = key_of_plan(Key("", None, words), np.array([0.0, size[1] + 6.0 * height]), length, 1.5 * height, units)
     lines, texts = [*lines, *drawn_key[0]], [*texts, *drawn_key[1]]
-    drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
+    drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), units)
     return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
 
 
