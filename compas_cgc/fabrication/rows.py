@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import NamedTuple
@@ -205,16 +206,20 @@ def _cells(bands: NDArray[Any], rows: _Rows, room: tuple[float, float]) -> _Cell
 
     ends = shapely.bounds(bands)
     joints = [rows.lengths(a, b, room[0]) for a, b in ends[:, [0, 2]].tolist()]
-    band = np.repeat(np.arange(len(bands)), [len(own) - 1 for own in joints])
-    start, end = (np.concatenate([own[cut] for own in joints]) for cut in (slice(None, -1), slice(1, None)))
+    # Clipping is much faster than a general intersection, and neighbours end at exactly the same joint.
     shapes = _polygons(
-        shapely.intersection(bands[band], shapely.box(start, ends[band, 1] - 1.0, end, ends[band, 3] + 1.0), grid_size=_grid(room)), room
+        [
+            shapely.clip_by_rect(band, start, low - 1.0, end, high + 1.0)
+            for band, (_, low, _, high), own in zip(bands, ends.tolist(), joints)
+            for start, end in zip(own[:-1], own[1:])
+        ],
+        room,
     )
     boxes = shapely.bounds(shapes)
     return _Cells(shapes, [(float(x), float(y)) for x, y in np.minimum(boxes[:, 2:] - boxes[:, :2], room)])
 
 
-def _polygons(shapes: NDArray[Any], room: tuple[float, float]) -> NDArray[Any]:
+def _polygons(shapes: Sequence[Any], room: tuple[float, float]) -> NDArray[Any]:
     """Return the polygons of shapes, without rounding errors."""
     import shapely
 
