@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import xml.etree.ElementTree as ElementTree
 import zipfile
 
@@ -493,6 +494,11 @@ def test_the_legend_explains_every_layer_of_a_drawing(cut, suffix, tmp_path):
     explained = {line.split(":")[0] for line in legend}
     assert {"OUTLINE"} <= layers or {"CUT", "RULING", "MARK", "SEAM", "NODE"} <= layers
     assert layers - {"LEGEND"} - ({"SHEET"} if "plan" in suffix else set()) <= explained
+    assert any(re.fullmatch(r"[1-9][0-9]* mm", line) for line in legend), "the scale bar has the unit of all dimensions"
+
+
+def test_a_vault_of_four_regions_lies_on_few_sheets():
+    assert unroll(vault(), SHEET).sheets <= 20
 
 
 def test_sheets_and_cut_list_state_material_and_thickness(tmp_path):
