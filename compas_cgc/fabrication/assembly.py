@@ -176,9 +176,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
         f"drawn 1:1, seen from above, x to the right and y up; the lower left corner of this plan lies at {origin} of the model",
         "pieces lie on their sheets turned; the numbers of seams show how",
     ]
-    key = key_of_plan(
-        key_of(patterns.problem), np.array([0.0, size[1] + 5.0 * height]), size[0], 0.75 * height, patterns.problem.drawing.units
-    )
+    key = key_of_plan(key_of(patterns.problem), np.array([0.0, size[1] + 5.0 * height]), size[0], 0.75 * height, units)
     return with_legend(Drawing([*lines, *key[0]], [*texts, *key[1]], size, units), MEANINGS, notes, 0.75 * height)
 
 

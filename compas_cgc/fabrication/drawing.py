@@ -37,7 +37,8 @@ LAYERS = {
     "LABEL": (30, 30, 30),
     "SEAM": (230, 140, 20),
     "NODE": (120, 120, 120),
-    "PLAN": (20, 130, 140),
+    "FAMILY_0": (30, 80, 200),
+    "FAMILY_1": (200, 30, 30),
     "LEGEND": (30, 30, 30),
 }
 LETTER_WIDTH = 0.8  # relative to its height

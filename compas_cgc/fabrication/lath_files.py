@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -31,6 +33,9 @@ MEANINGS = {
     "CUT": "contour of the strips with their slots, to cut",
     "MARK": "splice",
     "LABEL": "number of the lath, on strips to engrave: station 0 is at the left of its upright text; in the plan at station 0",
+    "FAMILY_0": "axes of the laths of family 0, in plan",
+    "FAMILY_1": "axes of the laths of family 1, in plan",
+    "OUTLINE": "edge of the surface, in plan",
     "NODE": "on strips: node / crossing lath, to engrave; in the plan: node",
     "SHEET": "title; not cut",
 }
@@ -174,17 +179,24 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
         "the lower edge lies inside; the face towards the viewer is the right one"
     )
     texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), 0.25 * width))
-    bottom = -ROW * width * (len(schedule.laths) - 1)
-    lines = [line._replace(points=line.points - [0.0, bottom]) for line in lines]
-    texts = [text._replace(place=text.place - [0.0, bottom]) for text in texts]
-    top = 2.5 * width - bottom
-    low = mm * np.min([lath.path[:, :2].min(axis=0) for lath in schedule.laths], axis=0)
-    plan = _plan(schedule, low - [right + PLAN_GAP * width, 0.0])
+    low = mm * np.min([edge[:, :2].min(axis=0) for edge in schedule.edges], axis=0)
+    plan = _plan(schedule, low)
+    # The upper ends of strips and plan are level, below the legend, and the lower one of these ends at 0.
+    below, across = ROW * width * (len(schedule.laths) - 1), max(right, 40.0 * width)
+    top = max(below + 2.5 * width, plan.size[1])
+    strips = _moved(Drawing(lines, texts, (right, top), "Millimeters"), [0.0, top - 2.5 * width])
+    plan = _moved(plan, [across + PLAN_GAP * width, top - plan.size[1]])
     corner = f"x = {low[0]:.1f}, y = {low[1]:.1f} of the model"
-    notes = [*_notes(schedule), f"PLAN: axes of the laths, seen from above, at the right; its lower left corner lies at {corner}"]
-    drawing = with_legend(Drawing(lines, texts, (right, top), "Millimeters"), MEANINGS, notes, 0.3 * width, max(right, 40.0 * width))
-    size = np.max([drawing.size, *(line.points.max(axis=0) for line in plan.lines)], axis=0)
-    return Drawing([*drawing.lines, *plan.lines], [*drawing.texts, *plan.texts], (float(size[0]), float(size[1])), "Millimeters")
+    notes = [*_notes(schedule), f"the plan at the right is seen from above; its lower left corner lies at {corner}"]
+    both = strips._replace(lines=[*strips.lines, *plan.lines], texts=[*strips.texts, *plan.texts])
+    drawing = with_legend(both, MEANINGS, notes, 0.3 * width, across)
+    return drawing._replace(size=(across + PLAN_GAP * width + plan.size[0], drawing.size[1]))
+
+
+def _moved(drawing: Drawing, by: Sequence[float]) -> Drawing:
+    """Return a drawing with its lines and texts moved by (2,) [L]."""
+    lines = [line._replace(points=line.points + by) for line in drawing.lines]
+    return drawing._replace(lines=lines, texts=[text._replace(place=text.place + by) for text in drawing.texts])
 
 
 def _name(text: str, stations: FloatArray, y: float, width: float) -> Text:
@@ -200,18 +212,21 @@ def _name(text: str, stations: FloatArray, y: float, width: float) -> Text:
 def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
     """Return the laths in plan, with their numbers at station 0 and the numbers of nodes, moved by -origin [mm]."""
     mm = 1e3 * schedule.unit
-    height = PLAN_TEXT * mm * float(np.ptp(np.concatenate([lath.path for lath in schedule.laths]), axis=0).max())
+    height = PLAN_TEXT * mm * float(np.ptp(np.concatenate(schedule.edges), axis=0).max())
     paths = [mm * lath.path[:, :2] - origin for lath in schedule.laths]
     names = [f"L{lath.number}" for lath in schedule.laths]
     numbers = _node_numbers(schedule, origin, 0.5 * height)
     boxes = [text_box(own.text, own.place, own.height) for own in numbers]
-    texts = [Text("LABEL", name, place, height) for name, place in zip(names, names_at_starts(names, paths, height, boxes))]
+    layers = [f"FAMILY_{lath.family}" for lath in schedule.laths]
+    places = names_at_starts(names, paths, height, boxes)
+    texts = [Text("LABEL", name, place, height, layer) for name, place, layer in zip(names, places, layers)]
     texts += numbers
-    lines = [Line("PLAN", path) for path in paths]
-    left, top = float(min(path[:, 0].min() for path in paths)), float(max(path[:, 1].max() for path in paths))
-    width = float(max(path[:, 0].max() for path in paths)) - left
+    edges = [mm * edge[:, :2] - origin for edge in schedule.edges]
+    lines = [*(Line("OUTLINE", edge, True) for edge in edges), *(Line(layer, path) for layer, path in zip(layers, paths))]
+    (left, _), (right, top) = (ends(np.concatenate(edges), axis=0).tolist() for ends in (np.min, np.max))
+    width = right - left
     key = key_of_plan(schedule.key, np.array([left, top + 4.0 * height]), width, height, "Millimeters")
-    return Drawing([*lines, *key[0]], [*texts, *key[1]], (0.0, 0.0), "Millimeters")
+    return Drawing([*lines, *key[0]], [*texts, *key[1]], (right, top + 8.0 * height), "Millimeters")
 
 
 def _node_numbers(schedule: LathSchedule, origin: FloatArray, height: float) -> list[Text]:

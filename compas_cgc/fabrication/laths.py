@@ -14,6 +14,7 @@ from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
+from ..meshing import boundary_loops
 from ..model.given import checked_number
 from .curves import CurveNet
 from .curves.net import NetCurve
@@ -62,6 +63,7 @@ class LathSchedule(NamedTuple):
     stock: float  # length of the stock, 0 if unlimited [L]
     above: Optional[bool]  # whether the outside, to which normals point, is above everywhere (True) or below (False), else None
     key: Key  # unit, north and K of the drawing
+    edges: list[FloatArray]  # edges of the surface, closed (k, 3) [L]
 
 
 def lath_schedule(
@@ -150,8 +152,9 @@ def lath_schedule(
                 curve.points,
             )
         )
+    edges = [net.problem.vertices[loop] for loop in boundary_loops(net.problem.faces)]
     return LathSchedule(
-        laths, float(width), float(thickness), stuff, unit, float(stock), outside_is_above(own_normals), key_of(net.problem)
+        laths, float(width), float(thickness), stuff, unit, float(stock), outside_is_above(own_normals), key_of(net.problem), edges
     )
 
 

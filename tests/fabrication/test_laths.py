@@ -151,7 +151,7 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     cut_short = [f"L{number} at node" for number, own in away.items() if (own < 0.1).any()]
     assert all(name in text for name in cut_short) and ("closer than the width to an end" in text) == bool(cut_short)
     # The plan has the axes of all laths, at the scale of the model.
-    plan = [np.array([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="PLAN"]')]
+    plan = [np.array([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer ? "FAMILY_."]')]
     assert [np.ptp(line, axis=0) for line in plan] == [pytest.approx(1e3 * np.ptp(own.points[:, :2], axis=0)) for own in net.curves]
     strips = [
         shapely.Polygon([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="CUT"]')
