@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import NamedTuple
@@ -207,19 +206,17 @@ def _cells(bands: NDArray[Any], rows: _Rows, room: tuple[float, float]) -> _Cell
     ends = shapely.bounds(bands)
     joints = [rows.lengths(a, b, room[0]) for a, b in ends[:, [0, 2]].tolist()]
     # Clipping is much faster than a general intersection, and neighbours end at exactly the same joint.
-    shapes = _polygons(
-        [
-            shapely.clip_by_rect(band, start, low - 1.0, end, high + 1.0)
-            for band, (_, low, _, high), own in zip(bands, ends.tolist(), joints)
-            for start, end in zip(own[:-1], own[1:])
-        ],
-        room,
-    )
+    clipped = [
+        shapely.clip_by_rect(band, start, low - 1.0, end, high + 1.0)
+        for band, (_, low, _, high), own in zip(bands, ends.tolist(), joints)
+        for start, end in zip(own[:-1], own[1:])
+    ]
+    shapes = _polygons(np.array(clipped, dtype=object), room)
     boxes = shapely.bounds(shapes)
     return _Cells(shapes, [(float(x), float(y)) for x, y in np.minimum(boxes[:, 2:] - boxes[:, :2], room)])
 
 
-def _polygons(shapes: Sequence[Any], room: tuple[float, float]) -> NDArray[Any]:
+def _polygons(shapes: NDArray[Any], room: tuple[float, float]) -> NDArray[Any]:
     """Return the polygons of shapes, without rounding errors."""
     import shapely
 
