@@ -81,6 +81,11 @@ class Drawing(NamedTuple):
         texts = [text._replace(place=scale * text.place, height=scale * text.height) for text in self.texts]
         return Drawing(lines, texts, (scale * self.size[0], scale * self.size[1]), units)
 
+    def moved(self, by: Sequence[float]) -> Drawing:
+        """Return the drawing with its lines and texts moved by (2,) [L]."""
+        lines = [line._replace(points=line.points + by) for line in self.lines]
+        return self._replace(lines=lines, texts=[text._replace(place=text.place + by) for text in self.texts])
+
 
 def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArray, float]:
     """Return the best of some points (p, 2) for a label, far from outlines and near the middle, and its distance from outlines [L]."""

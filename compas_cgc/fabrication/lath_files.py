@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -184,19 +182,13 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
     # The upper ends of strips and plan are level, below the legend, and the lower one of these ends at 0.
     below, across = ROW * width * (len(schedule.laths) - 1), max(right, 40.0 * width)
     top = max(below + 2.5 * width, plan.size[1])
-    strips = _moved(Drawing(lines, texts, (right, top), "Millimeters"), [0.0, top - 2.5 * width])
-    plan = _moved(plan, [across + PLAN_GAP * width, top - plan.size[1]])
+    strips = Drawing(lines, texts, (right, top), "Millimeters").moved([0.0, top - 2.5 * width])
+    plan = plan.moved([across + PLAN_GAP * width, top - plan.size[1]])
     corner = f"x = {low[0]:.1f}, y = {low[1]:.1f} of the model"
     notes = [*_notes(schedule), f"the plan at the right is seen from above; its lower left corner lies at {corner}"]
     both = strips._replace(lines=[*strips.lines, *plan.lines], texts=[*strips.texts, *plan.texts])
     drawing = with_legend(both, MEANINGS, notes, 0.3 * width, across)
     return drawing._replace(size=(across + PLAN_GAP * width + plan.size[0], drawing.size[1]))
-
-
-def _moved(drawing: Drawing, by: Sequence[float]) -> Drawing:
-    """Return a drawing with its lines and texts moved by (2,) [L]."""
-    lines = [line._replace(points=line.points + by) for line in drawing.lines]
-    return drawing._replace(lines=lines, texts=[text._replace(place=text.place + by) for text in drawing.texts])
 
 
 def _name(text: str, stations: FloatArray, y: float, width: float) -> Text:
@@ -209,23 +201,22 @@ def _name(text: str, stations: FloatArray, y: float, width: float) -> Text:
     return Text("LABEL", text, np.array([0.5 * (stations[at] + stations[at + 1]), y]), height)
 
 
-def _plan(schedule: LathSchedule, origin: FloatArray) -> Drawing:
-    """Return the laths in plan, with their numbers at station 0 and the numbers of nodes, moved by -origin [mm]."""
+def _plan(schedule: LathSchedule, corner: FloatArray) -> Drawing:
+    """Return the laths in plan, with their numbers at station 0 and those of nodes; the lower left corner of the edges comes to 0 [mm]."""
     mm = 1e3 * schedule.unit
     height = PLAN_TEXT * mm * float(np.ptp(np.concatenate(schedule.edges), axis=0).max())
-    paths = [mm * lath.path[:, :2] - origin for lath in schedule.laths]
+    paths = [mm * lath.path[:, :2] - corner for lath in schedule.laths]
     names = [f"L{lath.number}" for lath in schedule.laths]
-    numbers = _node_numbers(schedule, origin, 0.5 * height)
+    numbers = _node_numbers(schedule, corner, 0.5 * height)
     boxes = [text_box(own.text, own.place, own.height) for own in numbers]
     layers = [f"FAMILY_{lath.family}" for lath in schedule.laths]
     places = names_at_starts(names, paths, height, boxes)
     texts = [Text("LABEL", name, place, height, layer) for name, place, layer in zip(names, places, layers)]
     texts += numbers
-    edges = [mm * edge[:, :2] - origin for edge in schedule.edges]
+    edges = [mm * edge[:, :2] - corner for edge in schedule.edges]
     lines = [*(Line("OUTLINE", edge, True) for edge in edges), *(Line(layer, path) for layer, path in zip(layers, paths))]
-    (left, _), (right, top) = (ends(np.concatenate(edges), axis=0).tolist() for ends in (np.min, np.max))
-    width = right - left
-    key = key_of_plan(schedule.key, np.array([left, top + 4.0 * height]), width, height, "Millimeters")
+    right, top = np.max(np.concatenate(edges), axis=0).tolist()
+    key = key_of_plan(schedule.key, np.array([0.0, top + 4.0 * height]), right, height, "Millimeters")
     return Drawing([*lines, *key[0]], [*texts, *key[1]], (right, top + 8.0 * height), "Millimeters")
 
 

@@ -153,6 +153,8 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     # The plan has the axes of all laths, at the scale of the model.
     plan = [np.array([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer ? "FAMILY_."]')]
     assert [np.ptp(line, axis=0) for line in plan] == [pytest.approx(1e3 * np.ptp(own.points[:, :2], axis=0)) for own in net.curves]
+    (edge,) = document.modelspace().query('LWPOLYLINE[layer=="OUTLINE"]')
+    assert np.ptp([point[:2] for point in edge.get_points()], axis=0) == pytest.approx(1e3 * np.ptp(net.problem.vertices[:, :2], axis=0))
     strips = [
         shapely.Polygon([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="CUT"]')
     ]
