@@ -7,12 +7,11 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...meshing.chains import chains
 from ...meshing.cleanup import Omission
 from .plan import PlanCurve
 from .plan import length
@@ -102,61 +101,10 @@ def _without_duplicates(curves: Sequence[PlanCurve], tolerance: float) -> list[P
     return kept
 
 
-def _nodes(ends: FloatArray, tolerance: float) -> IntArray:
-    """Return the number of the place (2 m,) at which each end lies."""
-    pairs = cKDTree(ends).query_pairs(tolerance, output_type="ndarray")
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(ends), len(ends)))
-    return connected_components(graph, directed=False)[1]
-
-
 def _chained(curves: Sequence[PlanCurve], tolerance: float) -> list[PlanCurve]:
     """Return curves joined through every place at which exactly two ends meet."""
-    if not curves:
-        return []
-    ends = _ends(curves)
-    node = _nodes(ends, tolerance)
-    partner = _partners(node)
-    used = np.zeros(len(curves), bool)
-    result = []
-    # Chains begin at loose ends and junctions; what is left are rings.
-    starts = [end for end in range(len(ends)) if partner[end] < 0] + list(range(0, len(ends), 2))
-    for start in starts:
-        if used[start // 2]:
-            continue
-        chain = []
-        end = start
-        while end >= 0 and not used[end // 2]:
-            used[end // 2] = True
-            chain.append(end)
-            end = int(partner[end ^ 1])
-        result.append(_one_curve(curves, chain, closes=end >= 0 and end == start))
-    return result
-
-
-def _partners(node: IntArray) -> IntArray:
-    """Return the other end (2 m,) at the place of each end, -1 where not exactly two ends meet."""
-    order = np.argsort(node, kind="stable")
-    counts = np.bincount(node)
-    partner = np.full(len(node), -1)
-    first = np.cumsum(counts) - counts
-    for k in np.flatnonzero(counts == 2).tolist():
-        a, b = order[first[k] : first[k] + 2].tolist()
-        partner[a], partner[b] = b, a
-    return partner
-
-
-def _one_curve(curves: Sequence[PlanCurve], chain: Sequence[int], closes: bool) -> PlanCurve:
-    """Return the curve that runs along others, each from the end that is named; at a gap both ends move to its middle."""
-    if len(chain) == 1 and not closes:
-        return curves[chain[0] // 2]
-    parts = [curves[end // 2].points[:: -1 if end % 2 else 1].copy() for end in chain]
-    for before, after in zip(parts, parts[1:]):
-        middle = 0.5 * (before[-1] + after[0])
-        before[-1], after[0] = middle, middle
-    points = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
-    if closes:
-        points[0] = points[-1] = 0.5 * (points[0] + points[-1])
-    return PlanCurve(points, curves[chain[0] // 2].layer)
+    found = chains([curve.points for curve in curves], tolerance)
+    return [PlanCurve(chain.points, curves[chain.curves[0]].layer) for chain in found]
 
 
 def _lone_ends(curves: Sequence[PlanCurve]) -> tuple[FloatArray, FloatArray, IntArray]:

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ...errors import MeshError
+from ...meshing.chains import chains
 from ...meshing.outline import Outlined
 from ...meshing.outline import mesh_from_outline
 from ...meshing.outline import own_plane
@@ -76,7 +77,8 @@ def outlined(
     Parameters
     ----------
     outlines
-        Names and points (k, 3) of closed curves [L]; the largest is the boundary, the others are holes.
+        Names and points (k, 3) of closed curves, or of curves that meet end to end [L]; the largest is the boundary, the others are
+        holes.
     creases
         Curves that become edges.
     columns
@@ -91,15 +93,16 @@ def outlined(
     MeshError
         If an outline is open or cannot be meshed.
     """
-    for name, points in outlines:
+    drawn = _joined(outlines, tolerance)
+    for name, points in drawn:
         gap = float(np.linalg.norm(points[0] - points[-1])) if len(points) > 3 else np.inf
         if gap > tolerance:
             missing = f" with a gap of {gap:.3g}" if np.isfinite(gap) else ""
-            raise MeshError(f"{name} is open{missing}; close it (Rhino: CloseCrv)")
-    axes = own_plane(max((points for _, points in outlines), key=_area))
+            raise MeshError(f"{name} is open{missing}; close it (Rhino: CloseCrv), or draw the missing part")
+    axes = own_plane(max((points for _, points in drawn), key=_area))
     if axes is not None:
         flat = outlined(
-            [(name, points @ axes.T) for name, points in outlines],
+            [(name, points @ axes.T) for name, points in drawn],
             [crease._replace(points=crease.points @ axes.T) for crease in creases],
             columns @ axes.T,
             edge_length,
@@ -107,7 +110,7 @@ def outlined(
         )
         part = flat.part._replace(vertices=flat.part.vertices @ axes)
         return flat._replace(part=part, creases=[crease._replace(points=crease.points @ axes) for crease in flat.creases])
-    rings = _once(outlines, min(tolerance, COINCIDENCE * edge_length))
+    rings = _once(drawn, min(tolerance, COINCIDENCE * edge_length))
     lifted = [_lifted(ring, columns, edge_length) for ring in rings]
     count = sum(number for _, number in lifted)
     boundary, *holes = sorted((ring for ring, _ in lifted), key=lambda points: -_area(points))
@@ -116,12 +119,22 @@ def outlined(
     faces = np.column_stack([made.faces, made.faces[:, 2]])
     within = f" and {counted(len(holes), 'hole')}" if holes else ""
     note = f"a mesh with edges of about {edge_length:g} was generated from an outline{within}"
-    twice = ["duplicate outlines were used once"] if len(rings) < len(outlines) else []
+    twice = ["duplicate outlines were used once"] if len(rings) < len(drawn) else []
     if count:
         twice.append(f"{count} corner{'s were' if count > 1 else ' was'} moved to the height of the support above or below")
     beside = [f"{crease.label} lies outside the outline and was ignored" for crease in lines if _is_beside(boundary, crease.points)]
     part = Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {})
     return MeshedSurface(part, _pieces(made, lines), [note, *twice, *beside])
+
+
+def _joined(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> list[tuple[str, FloatArray]]:
+    """Return outlines with open curves joined where two ends meet, each with the name of its first curve."""
+    whole, pieces = list[tuple[str, FloatArray]](), list[tuple[str, FloatArray]]()
+    for name, points in outlines:
+        is_open = len(points) > 1 and float(np.linalg.norm(points[0] - points[-1])) > tolerance
+        (pieces if is_open else whole).append((name, points))
+    made = chains([points for _, points in pieces], tolerance)
+    return [*whole, *((pieces[chain.curves[0]][0], chain.points) for chain in made)]
 
 
 def _is_beside(boundary: FloatArray, points: FloatArray) -> bool:

@@ -121,6 +121,21 @@ def test_an_outline_closed_within_the_tolerance_or_drawn_twice_is_one_outline(tm
         outlined([("curve 0", ending(0.05))], [], np.empty((0, 3)), 2.0, 1e-3)
 
 
+def test_curves_that_meet_end_to_end_are_one_outline(tmp_path, mesher):
+    """A half disc drawn as an arc and its chord, in opposite directions, with a square hole of four lines."""
+    angle = np.linspace(0.0, np.pi, 50)
+    arc = 8.0 * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    hole = 0.2 * SQUARE + [-1.0, 2.0, 0.0]
+    sketch = Sketch()
+    for points in (arc, arc[[0, -1]] + 4e-4, *(hole[[k, k + 1]] for k in range(4))):
+        sketch.curve(points, "CGC::Mesh")
+    found = read_3dm(sketch.save(tmp_path / "half.3dm"), edge_length=1.0).checked()
+    # Chords of 1 m cut off about 0.3 % of the area.
+    assert face_areas(found.vertices, found.faces).sum() == pytest.approx(0.5 * np.pi * 64.0 - 4.0, rel=5e-3)
+    with pytest.raises(MeshError, match="is open with a gap of 16; close it .* or draw the missing part"):
+        outlined([("curve 0", arc)], [], np.empty((0, 3)), 1.0, 1e-3)
+
+
 def test_a_hole_in_a_hole_is_named_by_its_place(mesher):
     holes = [0.2 * size * (SQUARE - 5) + 5 for size in (3, 1)]
     with pytest.raises(MeshError, match=r"the hole at \(4, 4\) lies in another hole"):
