@@ -11,7 +11,7 @@ from ..discrete.arrays import FloatArray
 from ..model.lengths import UNIT_SYMBOLS
 from .materials import METRES
 
-__all__ = ["SHORT", "in_mm", "in_square_metres", "metres", "on_most_of_the_area", "unit_symbol"]
+__all__ = ["SHORT", "in_mm", "in_square_metres", "metres", "on_most_of_the_area", "two_digits", "unit_symbol"]
 
 SHORT = 0.1  # length of seams and beams below which they are named [m]
 AREA_SHARE = 0.95  # on which a figure is stated; curvature and stress are unbounded at point supports
@@ -42,3 +42,8 @@ def on_most_of_the_area(values: FloatArray, areas: FloatArray) -> float:
     """Return the least number that values of faces (m,) with areas (m,) do not exceed on 95 % of the area."""
     order = np.argsort(values, kind="stable")
     return float(values[order][np.searchsorted(np.cumsum(areas[order]), AREA_SHARE * areas.sum())])
+
+
+def two_digits(value: float) -> str:
+    """Return a number with two significant digits, or rounded to an integer from 100."""
+    return f"{value:.2g}" if abs(value) < 99.5 else f"{value:.0f}"

@@ -16,9 +16,11 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
 from ..model.counts import counted
+from ..model.counts import listed
 from .development import Development
 from .figures import SHORT
 from .figures import on_most_of_the_area
+from .figures import two_digits
 from .fitting import Fit
 from .flattening import LONG_ASPECT
 from .flattening import STRAIN
@@ -36,7 +38,7 @@ from .revolved_mould import RevolvedMould
 
 __all__ = ["Mould", "MouldReport", "PanelFit"]
 
-MAX_NAMED = 20  # panels that would break, named in the text
+SCHEDULE = "see the schedule"  # where the names of many panels are
 K_MEANING = "K: Gaussian curvature, the product of the two principal curvatures; 1/R² on a sphere of radius R, negative on a saddle"
 
 
@@ -207,7 +209,7 @@ class MouldReport:
                 f"{self.edges} of the moulds",
                 K_MEANING,
                 *(line for own in self.moulds for line in self._lines(own)),
-                f"bending stress on 95 % of the area: at most {_two_digits(self.stress_95)} MPa{self._elsewhere()}",
+                f"bending stress on 95 % of the area: at most {two_digits(self.stress_95)} MPa{self._elsewhere()}",
                 *self._singular(),
                 *self._short(),
                 f"panels are drawn as flat triangles, whose edges lie up to {_length(max(own.sag for own in self.panels))} from the smooth "
@@ -232,15 +234,13 @@ class MouldReport:
         ]
         how = f", use {' or '.join(others)}" if others else ""
         order = sorted(broken, key=lambda fit: -fit.stress_95)
-        names = [f"{fit.panel.name} ({_two_digits(self.bending_radius(fit))} m, {_two_digits(fit.stress_95)} MPa)" for fit in order]
-        more = len(names) - MAX_NAMED
-        named = ", ".join(names[:MAX_NAMED]) + (f" and {counted(more, 'other')}, listed in the report" if more > 0 else "")
+        names = [f"{fit.panel.name} ({two_digits(self.bending_radius(fit))} m, {two_digits(fit.stress_95)} MPa)" for fit in order]
         return [
             f"NOT BUILDABLE like this: {len(broken)} of {counted(len(self.panels), 'panel')} are bent beyond the strength of "
             f"{self.thickness:g} mm {own.name}, up to {100 * most / strength:.0f} % of it on 95 % of their area "
-            f"({_two_digits(1e-6 * most)} of {1e-6 * strength:g} MPa, without safety factor). Panels, with the radius of a flat sheet of "
-            f"the same stress: {named}. Make these panels in their final shape (hot bending, casting) instead of bending them from a mould "
-            f"of constant K, use sheets of at most {thinner}{how}"
+            f"({two_digits(1e-6 * most)} of {1e-6 * strength:g} MPa, without safety factor). Panels, with the radius of a flat sheet of "
+            f"the same stress: {listed(names, SCHEDULE)}. Make these panels in their final shape (hot bending, casting) instead of bending "
+            f"them from a mould of constant K, use sheets of at most {thinner}{how}"
         ]
 
     def _elsewhere(self) -> str:
@@ -248,13 +248,13 @@ class MouldReport:
         others = [own for own in self.panels if not own.singular]
         if not 0 < len(others) < len(self.panels):
             return ""
-        return f", {_two_digits(_percentile_95(others))} MPa without the panels in which it depends on the mesh"
+        return f", {two_digits(_percentile_95(others))} MPa without the panels in which it depends on the mesh"
 
     def _singular(self) -> list[str]:
         names = [own.panel.name for own in self.panels if own.singular]
         if not names:
             return []
-        where = "all panels" if len(names) == len(self.panels) > 1 else f"panels {', '.join(names)}"
+        where = "all panels" if len(names) == len(self.panels) > 1 else f"panels {listed(names, SCHEDULE)}"
         return [
             "curvature is unbounded at point supports, corners of held edges, straight held edges (K > 0), ends, crossings and kinks of "
             "creases, and creases between hills and bowls, so that the largest stress depends on the mesh in "
@@ -264,7 +264,7 @@ class MouldReport:
     def _short(self) -> list[str]:
         short = [own for own in self.seams if own.length * self.unit < SHORT]
         names = [f"{'/'.join(own.panels)} ({1e3 * self.unit * own.length:.0f} mm)" for own in short]
-        return [f"seams shorter than {1e3 * SHORT:g} mm: {', '.join(names)}"] if names else []
+        return [f"seams shorter than {1e3 * SHORT:g} mm: {', '.join(names)}; panels of another width move them"] if names else []
 
     def _lines(self, mould: Mould) -> list[str]:
         own = [fit for fit in self.panels if fit.mould == mould.number]
@@ -307,19 +307,14 @@ def _percentile_95(panels: list[PanelFit]) -> float:
 
 
 def _spread(values: list[float], unit: str = "") -> str:
-    middle, most = (f"{_two_digits(value)} {unit}".rstrip() for value in (float(np.median(values)), max(values)))
+    middle, most = (f"{two_digits(value)} {unit}".rstrip() for value in (float(np.median(values)), max(values)))
     return f"{middle} (median), {most} at most"
 
 
 def _length(mm: float) -> str:
     """Return a length in millimetres, without digits that no workshop can measure."""
-    return f"{_two_digits(mm)} mm" if mm >= 1e-3 else "0.001 mm"
+    return f"{two_digits(mm)} mm" if mm >= 1e-3 else "0.001 mm"
 
 
 def _percent(ratio: float) -> str:
-    return f"{_two_digits(100 * ratio)} %" if ratio >= 1e-5 else "0.001 %"
-
-
-def _two_digits(value: float) -> str:
-    """Return a number with two significant digits, or rounded to an integer from 100."""
-    return f"{value:.2g}" if abs(value) < 99.5 else f"{value:.0f}"
+    return f"{two_digits(100 * ratio)} %" if ratio >= 1e-5 else "0.001 %"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,8 @@ from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import boundary_loops
+from ..model.counts import counted
+from ..model.counts import listed
 from ..model.problem import CGCProblem
 from .figures import SHORT
 from .mould_report import K_MEANING
@@ -19,7 +22,7 @@ from .mould_report import PanelFit
 from .pieces import best_box
 from .tables import csv_text
 
-__all__ = ["PanelSheet", "PanelSide", "panel_sheets", "schedule_text"]
+__all__ = ["PanelSheet", "PanelSide", "panel_sheets", "panel_totals", "schedule_text"]
 
 CORNER = np.radians(30.0)  # least turn of the outline at a corner
 EDGE = "edge"  # instead of a neighbour at the edge of the surface
@@ -191,7 +194,17 @@ def _corners(flat: FloatArray, beyond: IntArray) -> IntArray:
 
 def schedule_text(sheets: list[PanelSheet]) -> str:
     """Return the schedule as CSV, one row per panel; sides and neighbours are counterclockwise, seen from outside."""
-    return csv_text(_HEAD, map(_row, sheets), NOTES)
+    return csv_text(_HEAD, map(_row, sheets), [panel_totals(sheets), *NOTES])
+
+
+def panel_totals(sheets: Sequence[PanelSheet]) -> str:
+    """Return the number and area of all panels as text, and those of every mould if there are several."""
+    moulds = sorted({own.fit.mould for own in sheets})
+    parts = [[own for own in sheets if own.fit.mould == mould] for mould in moulds]
+    every, *each = [f"{counted(len(part), 'panel')}, {sum(own.area for own in part):.3f} m²" for part in (sheets, *parts)]
+    if len(moulds) == 1:
+        return f"total: {every}"
+    return f"total: {every}; " + listed([f"mould {mould}: {text}" for mould, text in zip(moulds, each)], "see the table")
 
 
 def _row(own: PanelSheet) -> tuple:

@@ -21,6 +21,8 @@ from .figures import SHORT
 from .figures import in_mm
 from .figures import in_square_metres
 from .figures import metres
+from .figures import two_digits
+from .figures import unit_symbol
 from .outlines import Loop
 from .outlines import Seam
 from .outlines import outline_loops
@@ -163,14 +165,14 @@ class Patterns:
             lines.append(f"material: {self.stock.stuff}")
         free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.strip, "around pieces")]
         lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
-        lines.append(f"largest length difference between the sides of a seam: {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
+        lines.append(f"largest length difference between the sides of a seam: {two_digits(1000.0 * metres(units) * self.seam_mismatch)} mm")
         short = [seam for seam in self.seams if seam.length < SHORT / metres(units)]
         if short:
             named = ", ".join(
                 f"seam {seam.number} of {' and '.join(self.pieces[k].label for k in seam.pieces)} ({in_mm([seam.length], units)})"
                 for seam in short
             )
-            lines.append(f"seams shorter than {1e3 * SHORT:g} mm: {named}")
+            lines.append(f"seams shorter than {1e3 * SHORT:g} mm: {named}; panels or sheets of another size move them")
         lines += remarks(self)
         for own in self.unrollings:
             if own.unrolled:
@@ -179,10 +181,13 @@ class Patterns:
                 )
             else:
                 strain = max(piece.strain for piece in self.pieces if piece.region == own.region)
-                lines.append(f"region {own.region}: K = {_number(own.target)}, flattened with strains up to {100 * strain:.2g} %")
+                lines.append(f"region {own.region}: {self._curvature(own.target)}, flattened with strains up to {100 * strain:.2g} %")
         return "\n".join(lines)
 
     __str__ = summary
+
+    def _curvature(self, K: Optional[float]) -> str:
+        return "several K" if K is None else f"K = {K:g} 1/{unit_symbol(self.problem.drawing.units)}²"
 
     def _straight(self, region: int) -> str:
         found = self.straightness.get(region)
@@ -245,7 +250,3 @@ def _letters(number: int) -> str:
         text = chr(ord("A") + number % 26) + text
         number = number // 26 - 1
     return text
-
-
-def _number(value: Optional[float]) -> str:
-    return "several" if value is None else f"{value:g}"

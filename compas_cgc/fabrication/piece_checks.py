@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..model.counts import listed
 
 if TYPE_CHECKING:
     from .patterns import Patterns
@@ -56,6 +57,6 @@ def remarks(patterns: Patterns) -> list[str]:
         found.append(f"corners sharper than {np.degrees(MIN_CORNER):g} degrees: {named}")
     edge = [piece.label for piece in patterns.pieces if at_sheet_edge(patterns, piece)]
     if edge:
-        which = "all pieces" if len(edge) == len(patterns.pieces) else f"pieces {', '.join(edge)}"
+        which = "all pieces" if len(edge) == len(patterns.pieces) else f"pieces {listed(edge, 'see the cut list')}"
         found.append(f"{which} lie on the edge of their sheet, which needs straight and square edges; a margin keeps edges free")
     return found

@@ -22,10 +22,12 @@ from .picture_key import key_of
 from .quad_tables import quad_notes
 from .quads import PlaneQuads
 
-__all__ = ["draw_quads", "face_label", "flat_beam", "flat_face"]
+__all__ = ["draw_quads", "face_label", "flat_beam", "flat_face", "labels_in_plan"]
 
 ASPECT = 1.5  # of the drawing of all faces
 GAP, TEXT, ARROW = 0.1, 0.05, 0.25  # distance of faces, height of texts and length of arrows, relative to the spacing
+BEAM_TEXT = 0.15  # largest height of numbers of beams and nodes, relative to the length of the beam
+BEAM_ROOM = 0.5  # part of the way from a side to the middle of a face at which the number of the beam is centred at most
 MEANINGS = {
     "CUT": "outline of a face or beam between the axes of the nodes; no joint is taken off",
     "MARK": "arrow in a face along its first side, from its first node to the second; beams: the side that lies along the faces",
@@ -127,6 +129,45 @@ def face_label(name: str, points: FloatArray, height: float) -> Text:
     place, room = roomiest(np.einsum("sc,fcj->fsj", share, fan).reshape(-1, 2), [points])
     half = 0.5 * math.hypot(LETTER_WIDTH * len(name), 1.0)
     return Text("LABEL", name, place, min(height, 0.6 * room / half))
+
+
+def labels_in_plan(quads: PlaneQuads, places: FloatArray, height: float) -> tuple[list[Text], list[Text]]:
+    """Return the names of all beams, each beside its middle inside a face, and of all nodes, each in its widest corner of a face.
+
+    So beams and nodes of two regions that meet at a crease have their names on their own sides of it.
+
+    Parameters
+    ----------
+    quads
+        The faces and beams.
+    places
+        (k, 2) nodes in plan [L].
+    height
+        Largest height of a text [L].
+    """
+    beams, nodes, widest = dict[frozenset[int], Text](), dict[int, Text](), dict[int, float]()
+    number = {frozenset(edge): k for k, edge in enumerate(quads.edges.tolist())}
+    for face in quads.faces:
+        outline, middle = places[face], places[face].mean(axis=0)
+        along = np.roll(outline, -1, axis=0) - outline
+        lengths = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
+        along = along / lengths[:, None]
+        turned = np.sum(outline[:, 0] * np.roll(outline[:, 1], -1) - outline[:, 1] * np.roll(outline[:, 0], -1)) < 0.0
+        inward = along @ np.array([[0.0, 1.0], [-1.0, 0.0]]) * (-1.0 if turned else 1.0)
+        for k, (a, b) in enumerate(zip(face, face[1:] + face[:1])):
+            side = frozenset((a, b))
+            name, room = f"B{number[side]}", float((middle - places[a]) @ inward[k])
+            size = min(height, BEAM_TEXT * float(lengths[k]), BEAM_ROOM * room / clearance(name, 1.0, inward[k]))
+            if side not in beams or size > beams[side].height:
+                beams[side] = Text("LABEL", name, 0.5 * (places[a] + places[b]) + clearance(name, size, inward[k]) * inward[k], size)
+            between = inward[k] + inward[k - 1]
+            # The sine of half of the angle at the corner, 1 where the outline is straight.
+            half = 0.5 * float(np.linalg.norm(between))
+            if half > widest.get(a, 0.0):
+                size = min(0.8 * height, BEAM_TEXT * float(min(lengths[k], lengths[k - 1])))
+                widest[a] = half
+                nodes[a] = Text("NODE", str(a), places[a] + size * (LETTER_WIDTH * len(str(a)) + 1.0) / (4.0 * half**2) * between, size)
+    return [beams[frozenset(edge)] for edge in quads.edges.tolist()], [nodes[k] for k in range(len(places))]
 
 
 def _arrow(points: FloatArray, middle: FloatArray) -> Line:

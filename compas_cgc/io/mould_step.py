@@ -53,12 +53,12 @@ def mould_step_bytes(problem: CGCProblem, report: MouldReport) -> tuple[bytes, l
     """
     occt = opencascade()
     factor = MILLIMETRES.get(problem.drawing.units or "Meters", 1e3)
-    shapes, names, notes = [], [], []
+    shapes, names, notes, origin = [], [], [], problem.vertices.mean(axis=0)
     for place in mould_places(problem, report):
-        shapes.append(_cap(occt, place.mould, factor, place.pole))
+        shapes.append(_cap(occt, place.mould, factor, place.pole - origin))
         names.append(f"mould {place.mould.number}")
         chart = chart_of(place.mould.surface)
-        for fit, pole in zip(place.panels, place.poles):
+        for fit, pole in zip(place.panels, np.array(place.poles) - origin):
             curves = panel_outline(chart, fit)
             patch = chart.patch(chart.of(np.concatenate(curves))).placed(pole, np.eye(3)).scaled(factor)
             shapes.append(trimmed_face(occt, patch, [factor * (curve + pole) for curve in curves]))
@@ -68,10 +68,10 @@ def mould_step_bytes(problem: CGCProblem, report: MouldReport) -> tuple[bytes, l
     except MeshError as error:
         notes.append(f"panels in place are omitted: {error}")
     else:
-        shell, order = shell_of(occt, surface, lambda points: factor * (surface.centre + surface.scale * points))
+        shell, order = shell_of(occt, surface, lambda points: factor * (surface.centre - origin + surface.scale * points))
         shapes.append(shell)
         names += [f"panel {report.panels[k].panel.name} in place" for k in order]
-    return step_content(occt.compound_from_shapes(shapes), problem.drawing.name or "compas_cgc", names), notes
+    return step_content(occt.compound_from_shapes(shapes), problem.drawing.name or "compas_cgc", names, factor * origin), notes
 
 
 def panel_outline(chart: Chart, fit: PanelFit) -> list[FloatArray]:

@@ -38,8 +38,14 @@ CONSTANT_TIME = "'1980-01-01T00:00:00'"
 UNNAMED = "ADVANCED_FACE('',"
 
 
-def step_content(shape: Any, name: str, faces: Optional[list[str]] = None) -> bytes:
-    """Return a STEP file of a shape [mm] with the names of its faces, in their order."""
+def step_content(shape: Any, name: str, faces: Optional[list[str]] = None, origin: Optional[FloatArray] = None) -> bytes:
+    """Return a STEP file of a shape [mm] with the names of its faces, in their order.
+
+    A shape that may be far from the origin of the model is made around a point `origin` (3,) of it and moved there [mm]: OpenCASCADE joins
+    edges whose ends agree within 1e-7 mm, which is below the rounding of georeferenced coordinates.
+    """
+    if origin is not None:
+        shape = opencascade().transform(shape, np.column_stack([np.eye(3), origin]).ravel().tolist())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shape.step"
         opencascade().write_step(shape, str(path), "MM", name)

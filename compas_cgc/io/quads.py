@@ -15,6 +15,7 @@ from ..fabrication.picture_key import key_of
 from ..fabrication.plain_data import build_data
 from ..fabrication.quad_drawing import draw_quads
 from ..fabrication.quad_drawing import face_label
+from ..fabrication.quad_drawing import labels_in_plan
 from ..fabrication.quad_tables import beam_text
 from ..fabrication.quad_tables import face_text
 from ..fabrication.quad_tables import quad_notes
@@ -30,7 +31,6 @@ from .model_dxf import ModelDxf
 __all__ = ["write_quads"]
 
 TEXT = 0.1  # height of numbers of faces relative to the spacing
-BEAM_TEXT = 0.15  # largest height of numbers of beams and nodes, relative to the length of the beam
 
 
 def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
@@ -73,7 +73,7 @@ def write_quads(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:
 
 
 def _write_dxf(path: str, quads: PlaneQuads) -> None:
-    """Write the model in place, with numbers that fit into faces, along beams and between nodes."""
+    """Write the model in place, with numbers inside the faces."""
     mm = 1e3 * metres_per_unit(quads.problem.drawing.units)
     height, places = TEXT * mm * quads.spacing, mm * quads.vertices
     drawing = ModelDxf(0.5 * height)
@@ -83,13 +83,11 @@ def _write_dxf(path: str, quads: PlaneQuads) -> None:
         drawing.polyline(places[face], "FACES", closed=True)
         label = face_label(f"F{k}", places[face][:, :2], height)
         drawing.text(label.text, np.append(label.place, places[face][:, 2].mean()), label.height, "FACE_NUMBERS")
-    lengths = np.linalg.norm(places[quads.edges[:, 1]] - places[quads.edges[:, 0]], axis=1)
-    shortest = np.full(len(places), np.inf)
-    for k, (ends, length) in enumerate(zip(quads.edges, lengths.tolist())):
-        drawing.polyline(places[ends], "BEAMS")
-        shortest[ends] = np.minimum(shortest[ends], length)
-        drawing.text(f"B{k}", places[ends].mean(axis=0), min(0.6 * height, BEAM_TEXT * length), "BEAM_NUMBERS")
-    for k, (place, length) in enumerate(zip(places, shortest.tolist())):
-        drawing.text(str(k), place, min(0.5 * height, BEAM_TEXT * length), "NODE_NUMBERS")
+    beams, nodes = labels_in_plan(quads, places[:, :2], 0.6 * height)
+    for label, ends in zip(beams, places[quads.edges]):
+        drawing.polyline(ends, "BEAMS")
+        drawing.text(label.text, np.append(label.place, ends[:, 2].mean()), label.height, "BEAM_NUMBERS")
+    for label, place in zip(nodes, places):
+        drawing.text(label.text, np.append(label.place, place[2]), label.height, "NODE_NUMBERS")
     notes = ["model in place, 1:1, in mm; FACES: outlines of faces; BEAMS: axes of beams, between nodes at the faces", *quad_notes(quads)]
     drawing.save(path, notes, key_of(quads.problem))

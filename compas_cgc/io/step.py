@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..fabrication.shell.regions import region_surfaces
+from ..model.counts import counted
 from ..model.problem import CGCProblem
 from .occt import opencascade
 from .opencascade import MILLIMETRES
@@ -30,6 +31,6 @@ def step_bytes(problem: CGCProblem) -> tuple[bytes, list[str]]:
     occt = opencascade()
     fit = region_surfaces(problem)
     factor = MILLIMETRES.get(problem.drawing.units or "Meters", 1e3)
-    shell, order = shell_of(occt, fit, lambda points: factor * (fit.centre + fit.scale * points))
-    content = step_content(shell, problem.drawing.name or "compas_cgc", [f"region {number}" for number in order])
-    return content, [fit.note(fit.percentiles(), factor, " mm", f"{len(fit.pieces)} faces in one shell, ")]
+    shell, order = shell_of(occt, fit, lambda points: factor * fit.scale * points)
+    content = step_content(shell, problem.drawing.name or "compas_cgc", [f"region {number}" for number in order], factor * fit.centre)
+    return content, [fit.note(fit.percentiles(), factor, " mm", f"{counted(len(fit.pieces), 'face')} in one shell, ")]

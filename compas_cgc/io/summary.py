@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import names_what_was_meant
+from ..fabrication.figures import two_digits
 from ..fabrication.flattening import LONG_ASPECT
 from ..fabrication.flattening import STRAIN
 from ..fabrication.flattening import widest_panel
@@ -49,17 +50,17 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     for number, K in enumerate(targets):
         faces = problem.faces[label == number]
         place = place_text(problem.vertices[faces].mean(axis=(0, 1)), size)
-        asked = str(problem.laws.get(number, "no target")) if K is None else f"K = {K:g}{_panels(K)}"
+        asked = str(problem.laws.get(number, "no target")) if K is None else f"K = {K:g}{_panels(K, unit_suffix(problem.drawing.units))}"
         lines.append(f"- region {number} around {place}: {len(faces)} faces, {asked}")
     return "\n".join(lines), [*read.diagnostics, *check(problem)]
 
 
-def _panels(K: float) -> str:
-    """Return the largest flat sheets that a curvature allows."""
+def _panels(K: float, unit: str) -> str:
+    """Return the largest flat sheets that a curvature allows, with the suffix of the unit of lengths."""
     if not K:
         return "; unrolls into flat sheets without strain"
-    square, strip = widest_panel(K, STRAIN), widest_panel(K, STRAIN, LONG_ASPECT)
-    return f"; the strain of flat sheets is at most {100 * STRAIN:g} % up to a width of {square:.2g} (square) or {strip:.2g} (long)"
+    square, strip = (f"{two_digits(width)}{unit}" for width in (widest_panel(K, STRAIN), widest_panel(K, STRAIN, LONG_ASPECT)))
+    return f"; the strain of flat sheets is at most {100 * STRAIN:g} % up to a width of {square} (square) or {strip} (long)"
 
 
 def _head(problem: CGCProblem) -> str:

@@ -19,6 +19,7 @@ from .._figures import save_pages
 from ..discrete.arrays import FloatArray
 from ..fabrication.mould_report import K_MEANING
 from ..fabrication.panel_schedule import PanelSheet
+from ..fabrication.panel_schedule import panel_totals
 from ..fabrication.picture_key import Key
 from ..meshing.polyline import arc_lengths
 from ..meshing.polyline import point_at
@@ -40,6 +41,7 @@ NORTH = Drawing().north
 PAGE = (11.7, 8.3)  # A4 [in]
 WARNING = "#b00020"
 ROWS = 32  # of the schedule on one page
+HEAD_TOP, HEAD_PITCH, FOOT = 0.938, 0.0145, 0.05  # of the text above the schedule and of its last row, relative to the page
 KEY = (0.81, 0.79, 0.16, 0.16)  # place of the small plan on the page of a panel
 TEXT_WIDTH = 0.75  # width of a letter relative to its size, with room beside it
 SHARES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # of a side at which its texts are tried
@@ -76,13 +78,14 @@ def save_panel_sheets(sheets: list[PanelSheet], path: Union[str, os.PathLike], t
 
 def _pages(sheets: list[PanelSheet], title: str, north: Plan) -> Iterator[Figure]:
     for first in range(0, len(sheets), ROWS):
-        yield _schedule(sheets[first : first + ROWS], f"{title} panels {first + 1} to {min(first + ROWS, len(sheets))} of {len(sheets)}")
+        page = sheets[first : first + ROWS]
+        yield _schedule(page, f"{title} panels {first + 1} to {first + len(page)} of {len(sheets)}", panel_totals(sheets))
     yield _plan(sheets, f"{title} plan of {len(sheets)} panels", north)
     for own in sheets:
         yield panel_figure(own, title, sheets, north)
 
 
-def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
+def _schedule(sheets: list[PanelSheet], title: str, totals: str) -> Figure:
     figure = new_figure(*PAGE)
     figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
     broken = [own.fit.panel.name for own in sheets if own.used > 1.0]
@@ -91,13 +94,15 @@ def _schedule(sheets: list[PanelSheet], title: str) -> Figure:
         f"{_seen(sheets)}; rise: from the lowest to the highest point over the mean plane; stress: of bending on 95 % of the area, in % of "
         f"the strength{' (red: the panel breaks)' if broken else ''}; {K_MEANING}"
     )
-    figure.text(0.05, 0.938, "\n".join(textwrap.wrap(about, MAX_NOTE)), fontsize=7, color=INK, va="top")
-    top = 0.882
+    lines = [*textwrap.wrap(totals, MAX_NOTE), *textwrap.wrap(about, MAX_NOTE)]
+    figure.text(0.05, HEAD_TOP, "\n".join(lines), fontsize=7, color=INK, va="top")
+    top = HEAD_TOP - HEAD_PITCH * (len(lines) + 1)
+    pitch = (top - FOOT) / ROWS
     columns = np.array([0.05, 0.11, 0.15, 0.19, 0.25, 0.35, 0.47, 0.52, 0.57])
     for row, (own, cells) in enumerate(zip([None, *sheets], [HEAD, *map(_cells, sheets)])):
         ink = WARNING if own is not None and own.used > 1.0 else INK
         for x, cell in zip(columns, cells):
-            figure.text(x, top - row * 0.026, cell, fontsize=6.5, color=ink, weight="bold" if row == 0 else "normal")
+            figure.text(x, top - row * pitch, cell, fontsize=6.5, color=ink, weight="bold" if row == 0 else "normal")
     return figure
 
 

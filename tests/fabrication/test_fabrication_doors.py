@@ -116,7 +116,7 @@ def test_sheets_are_given_in_the_units_of_the_drawing_or_in_others():
 
 def test_check_says_how_wide_flat_sheets_may_be(files, capsys):
     main(["check", str(files / "dome.3dm")])
-    assert "the strain of flat sheets is at most 0.2 % up to a width of 1.5" in capsys.readouterr().out
+    assert "the strain of flat sheets is at most 0.2 % up to a width of 1.5 m (square)" in capsys.readouterr().out
 
 
 @pytest.mark.nightly

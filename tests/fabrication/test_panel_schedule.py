@@ -18,6 +18,7 @@ from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication.panel_schedule import PanelSide
 from compas_cgc.fabrication.panel_schedule import panel_sheets
+from compas_cgc.fabrication.panel_schedule import panel_totals
 from compas_cgc.fabrication.panel_schedule import schedule_text
 from compas_cgc.fabrication.panel_seams import panel_seams
 from compas_cgc.plot import moulds_figure
@@ -79,6 +80,17 @@ def test_the_table_explains_its_columns_and_compares_stress_with_strength(report
         within = areas[order].cumsum() <= 0.95 * areas.sum()
         used = 1e6 * fit.stresses[order][within.sum()] / made.material.strength
         assert float(row["part of strength in %"]) == pytest.approx(100.0 * used, abs=0.6)
+
+
+def test_the_schedule_has_the_number_and_area_of_all_panels_and_of_every_mould(report):
+    problem, made = report
+    sheets = panel_sheets(problem, made)
+    area = face_areas(problem.vertices, problem.faces).sum()
+    assert panel_totals(sheets) == f"total: {len(sheets)} panels, {area:.3f} m²"
+    assert next(csv.DictReader(io.StringIO(schedule_text(sheets))))["notes"] == panel_totals(sheets)
+    two = [own._replace(fit=replace(own.fit, mould=2)) if k < 3 else own for k, own in enumerate(sheets)]
+    own = sum(sheet.area for sheet in sheets[:3])
+    assert panel_totals(two).split("; ")[1] == f"mould 1: {len(sheets) - 3} panels, {area - own:.3f} m², mould 2: 3 panels, {own:.3f} m²"
 
 
 def test_panels_that_would_break_come_first_with_remedies_that_hold(report):

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from scipy.spatial import cKDTree
 
 import compas_cgc
@@ -15,8 +16,10 @@ from compas_cgc import solve
 from compas_cgc.cli.main import main
 from compas_cgc.errors import CGCError
 from compas_cgc.fabrication import plane_quads
+from compas_cgc.fabrication.drawing import text_box
 from compas_cgc.fabrication.outlines import signed_area
 from compas_cgc.fabrication.quad_drawing import flat_beam
+from compas_cgc.fabrication.quad_drawing import labels_in_plan
 from compas_cgc.fabrication.quad_tables import beam_text
 from compas_cgc.fabrication.quads.cross_field import cross_field
 from compas_cgc.fabrication.quads.extraction import Polygons
@@ -217,6 +220,26 @@ def test_short_beams_are_named_in_the_report_and_in_the_tables():
     }
     assert named in small.summary() and named in beam_text(small).replace('""', '"')
     assert replace(quads, vertices=10.0 * quads.vertices).short_beams() == ""
+
+
+def test_numbers_of_beams_and_nodes_in_place_lie_inside_faces_and_beside_lines():
+    """Two regions meet at the diagonal of a plan, where each has beams and nodes of its own."""
+    roof = CGCMesh.from_meshgrid(dx=10.0, nx=16)
+    roof.set_supports("corners")
+    roof.set_creases([[17 * k + k for k in range(17)]])
+    roof.set_target(0.01)
+    quads = plane_quads(solve(roof).problem, 1.5)
+    assert len(set(quads.region)) == 2
+    places = 1e3 * quads.vertices[:, :2]
+    beams, nodes = labels_in_plan(quads, places, 90.0)
+    assert [label.text for label in beams] == [f"B{k}" for k in range(len(quads.edges))]
+    assert [label.text for label in nodes] == [str(k) for k in range(len(places))]
+    outlines = [shapely.Polygon(places[face]) for face in quads.faces]
+    for label in [*beams, *nodes]:
+        box = shapely.box(*text_box(label.text, label.place, label.height).ravel())
+        assert sum(outline.contains(box) for outline in outlines) == 1, label
+    for label, ends in zip(beams, quads.edges):
+        assert shapely.LineString(places[ends]).distance(shapely.Point(label.place)) < 3.0 * label.height + 1.0
 
 
 def test_a_beam_laid_flat_keeps_its_sides_and_the_diagonal_along_which_it_is_unfolded():

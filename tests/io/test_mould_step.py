@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -62,6 +63,21 @@ def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
         assert area(own[f"panel {fit.panel.name} in place"]) == pytest.approx(face_areas(fit.vertices, fit.faces).sum(), rel=5e-3)
     in_place = [face for name, face in own.items() if name.endswith("in place")]
     assert 0 < free_edges(shape, in_place) < sum(len(occt.shape_explore(face, EDGE)) for face in in_place) / 2
+
+
+def test_moulds_of_a_georeferenced_roof_are_valid_faces_in_their_place(tmp_path):
+    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("facade.3dm")), settings={"measure": "exact"})
+    away = np.array([691_234.5, 5_334_321.25, 520.0])
+    report = moulds(result, panels(result, 3.0))
+    far = replace(result.problem, vertices=result.problem.vertices + away)
+    shapes = []
+    for name, problem, made in (("near", result.problem, report), ("far", far, moulds(far, panels(far, 3.0)))):
+        path = tmp_path / f"{name}.step"
+        assert write_mould_files(path, problem, made) == []
+        shapes.append(occt.shape_explore(occt.read_step(str(path)), FACE))
+    assert all(map(occt.is_valid, shapes[1])) and len(shapes[0]) == len(shapes[1])
+    near, there = (np.array([occt.centroid(face) for face in faces]) for faces in shapes)
+    assert there == pytest.approx(near + 1e3 * away, abs=0.01, rel=0)
 
 
 @pytest.mark.parametrize(("sample", "size"), [("cushion", 3.0), ("canopy", 3.0)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,20 @@ def test_regions_are_one_valid_shell_whose_free_edges_are_the_rim(facade, tmp_pa
     assert len(free_edges(shell)) == len(rim)
     # Millimetres; the mesh is inscribed.
     assert occt.area(shell) == pytest.approx(1e6 * face_areas(problem.vertices, problem.faces).sum(), rel=3e-3)
+
+
+def test_a_georeferenced_roof_is_one_valid_shell_in_its_place(facade, tmp_path):
+    """Ends of edges agree within the rounding of the coordinates only, which is more than 1e-7 mm here."""
+    away = np.array([691_234.5, 5_334_321.25, 520.0])
+    content, (note,) = step_bytes(replace(facade.problem, vertices=facade.problem.vertices + away))
+    (tmp_path / "far.step").write_bytes(content)
+    compas_cgc.write(tmp_path / "near.step", facade)
+    far, near = shell_of(tmp_path / "far.step"), shell_of(tmp_path / "near.step")
+    assert note.startswith("3 faces in one shell")
+    assert occt.is_valid(far) and len(occt.shape_explore(far, SHELL)) == 1 and len(free_edges(far)) == len(free_edges(near))
+    # STEP files have 13 digits, which are steps of .001 mm here.
+    assert np.array(occt.centroid(far)) == pytest.approx(np.array(occt.centroid(near)) + 1e3 * away, abs=0.01, rel=0)
+    assert occt.area(far) == pytest.approx(occt.area(near), rel=1e-5)
 
 
 def test_surfaces_meet_and_have_their_curvature(facade):

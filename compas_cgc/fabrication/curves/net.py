@@ -22,6 +22,7 @@ from ...model.given import checked_number
 from ...model.given import refuse_other_units
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
+from ..figures import two_digits
 from ..materials import metres_per_unit
 from ..option_values import NET_KINDS
 from ..shape_operators import DEGREE
@@ -188,7 +189,7 @@ class CurveNet:
             low, high = self.lengths.min() / self.spacing, self.lengths.max() / self.spacing
             lines.append(f"{len(self.nodes)} nodes, {len(self.sides)} sides of {low:.4f} to {high:.4f} times the spacing {self.spacing:g}")
         for region, surface in self.surfaces.items():
-            middle, most = (f"{1e3 * metres * value:.2g} mm" for value in (float(np.median(surface.off)), float(surface.off.max())))
+            middle, most = (f"{two_digits(1e3 * metres * value)} mm" for value in (float(np.median(surface.off)), float(surface.off.max())))
             lines.append(
                 f"region {region}: nodes lie on the surface of constant K nearest to the mesh, whose vertices deviate from it by {middle} "
                 f"(median), {most} at most"

@@ -12,6 +12,7 @@ from ...discrete.arrays import Mask
 from ...discrete.arrays import Vectors
 from ...model.problem import CGCProblem
 from ..figures import SHORT
+from ..figures import two_digits
 from ..materials import metres_per_unit
 
 __all__ = ["PlaneQuads", "axis_lines", "dead_ends"]
@@ -109,12 +110,12 @@ class PlaneQuads:
         lines = [
             f"{len(self.faces)} plane faces, {(corners == 4).sum()} quads{others}; {len(self.irregular)} irregular nodes, "
             f"{self.dead_ends} dead ends",
-            f"planarity: {mm * self.planarity.max():.2g} mm between diagonals at most",
-            f"nodes deviate from the mesh by {middle:.2g} mm (median), {most:.2g} mm at most",
+            f"planarity: {two_digits(mm * self.planarity.max())} mm between diagonals at most",
+            f"nodes deviate from the mesh by {two_digits(middle)} mm (median), {two_digits(most)} mm at most",
             f"{len(self.edges)} beams of {sides.min():.4g} to {sides.max():.4g} mm; at a depth of {mm * self.depth:.4g} mm they twist by "
-            f"{mm * np.median(self.twist):.2g} mm (median), {mm * self.twist.max():.2g} mm at most",
-            f"faces offset by {mm * self.depth:.4g} mm miss their nodes by {mm * np.median(self.offset_error):.2g} mm (median), "
-            f"{mm * self.offset_error.max():.2g} mm at most",
+            f"{two_digits(mm * np.median(self.twist))} mm (median), {two_digits(mm * self.twist.max())} mm at most",
+            f"faces offset by {mm * self.depth:.4g} mm miss their nodes by {two_digits(mm * np.median(self.offset_error))} mm (median), "
+            f"{two_digits(mm * self.offset_error.max())} mm at most",
         ]
         square = np.array([number in self.problem.laws for number in self.region.tolist()])
         aspects = self.aspects[square & np.isfinite(self.aspects)]
@@ -132,7 +133,7 @@ class PlaneQuads:
         lengths = 1e3 * metres_per_unit(self.problem.drawing.units) * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         short = np.flatnonzero(lengths < 1e3 * SHORT)
         named = ", ".join(f"B{k} ({lengths[k]:.0f} mm)" for k in short[np.argsort(lengths[short], kind="stable")].tolist())
-        return f"beams shorter than {1e3 * SHORT:g} mm: {named}" if len(short) else ""
+        return f"beams shorter than {1e3 * SHORT:g} mm: {named}; another spacing moves them" if len(short) else ""
 
 
 def dead_ends(vertices: Vectors, edges: IntArray, rim: Mask) -> int:

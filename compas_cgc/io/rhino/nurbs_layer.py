@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...errors import MeshError
 from ...fabrication.shell.patches import region_patches
 from ...fabrication.shell.regions import region_surfaces
+from ...model.counts import counted
 from ...model.problem import CGCProblem
 from .nurbs import nurbs_surface
 from .write import LayerWriter
@@ -32,4 +33,4 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
         writer.polyline(fit.centre + fit.scale * points, writer.attributes(layer, f"edge of region {beside}", {"regions": beside}))
     others = [str(region) for region, patch in enumerate(made) if not patch.sides]
     cut = f"; regions without four sides ({', '.join(others)}) extend beyond their edges and are trimmed in .step files" if others else ""
-    return [fit.note(errors, 1.0, unit, f"{len(made)} NURBS surfaces, ", cut)]
+    return [fit.note(errors, 1.0, unit, f"{counted(len(made), 'NURBS surface')}, ", cut)]
