@@ -21,9 +21,10 @@ from pathlib import Path
 from typing import Optional
 from typing import Union
 
+from .errors import CGCError
 from .errors import FileError
 
-__all__ = ["PartlyPublished", "is_full", "published_together", "recover", "replacing", "unwritable", "write_text"]
+__all__ = ["PartlyPublished", "further_outputs", "is_full", "published_together", "recover", "replacing", "unwritable", "write_text"]
 
 # The umask can only be read by setting it, which is not safe when threads write files.
 _UMASK = os.umask(0)
@@ -43,15 +44,16 @@ class _Outputs:
 
     def __init__(self) -> None:
         self.files: list[tuple[Path, Path]] = []  # temporary file and target
+        self.failures: list[str] = []  # reasons why other files could not be written
 
     def publish(self) -> None:
         """Rename all files to their targets; a journal lets the next command finish after a kill."""
         try:
             journal = self._journal() if len(self.files) > 1 else None
         except OSError as error:
+            first = self.files[0][1]
             self.discard()
-            raise OSError(error.errno, error.strerror, str(self.files[0][1])) from error
-        failures = []
+            raise OSError(error.errno, error.strerror, str(first)) from error
         for place, (temporary, target) in enumerate(self.files):
             try:
                 _put(temporary, target)
@@ -61,20 +63,21 @@ class _Outputs:
                     if journal is not None:
                         journal.unlink()
                     raise
-                failures.append(unwritable(target, error))
+                self.failures.append(unwritable(target, error))
         for folder in {target.parent for _, target in self.files}:
             _sync_folder(folder)
         if journal is not None:
             journal.unlink()
         self.discard()
-        if failures:
-            raise PartlyPublished("; ".join(failures))
+        if self.failures:
+            raise PartlyPublished("; ".join(self.failures))
 
-    def discard(self) -> None:
-        """Remove the remaining temporary files."""
-        for temporary, _ in self.files:
+    def discard(self, count: int = 0) -> None:
+        """Remove the remaining temporary files, except for the first `count` ones."""
+        for temporary, _ in self.files[count:]:
             with suppress(OSError):
                 temporary.unlink()
+        del self.files[count:]
 
     def _journal(self) -> Path:
         """Write the list of files atomically beside the first target."""
@@ -107,7 +110,8 @@ def published_together() -> Iterator[None]:
     Raises
     ------
     PartlyPublished
-        If a file other than the first cannot be renamed to its target; the others are published.
+        If a file other than the first cannot be renamed to its target, or those of :func:`further_outputs` cannot be written; the
+        others are published.
     FileError
         If the first file cannot be renamed to its target; no file is published.
     """
@@ -128,6 +132,23 @@ def published_together() -> Iterator[None]:
             outputs.publish()
         except OSError as error:
             raise FileError(unwritable(error.filename2 or error.filename, error)) from None
+
+
+@contextmanager
+def further_outputs() -> Iterator[None]:
+    """Leave out the files written within a block if it fails, so that the other files of :func:`published_together` are published.
+
+    The reason is raised as :class:`PartlyPublished` when these are in their places.
+    """
+    outputs = _outputs.get()
+    if outputs is None:
+        raise RuntimeError("further outputs need published_together around them")
+    count = len(outputs.files)
+    try:
+        yield
+    except (CGCError, OSError) as error:
+        outputs.discard(count)
+        outputs.failures.append(str(error))
 
 
 @contextmanager

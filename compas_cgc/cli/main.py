@@ -15,12 +15,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Optional
 
+from .._atomic_write import PartlyPublished
 from .._atomic_write import is_full
 from .._atomic_write import unwritable
 from .._version import __version__
 from ..errors import nearest_name
 from ..io.formats import READ_SUFFIXES
 from .console import compiling
+from .exits import INCOMPLETE
 from .exits import INTERRUPTED
 from .exits import REFUSED
 from .parser import Parser
@@ -91,6 +93,9 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         # The reader of the pipe has closed it; avoid an error message of Python at exit.
         sys.stdout = None
         return 0
+    except PartlyPublished as error:
+        print(f"compas-cgc: {error}", file=sys.stderr)
+        return INCOMPLETE
     except ValueError as error:
         print(f"compas-cgc: {error}", file=sys.stderr)
         return REFUSED

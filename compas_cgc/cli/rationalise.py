@@ -6,19 +6,22 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 from typing import Union
 
+from .._atomic_write import PartlyPublished
+from .._atomic_write import further_outputs
+from .._atomic_write import published_together
 from ..errors import CGCError
 from ..errors import FileError
 from .console import bar
 from .console import interruptible
 from .console import printer
 from .exits import DONE
+from .exits import INCOMPLETE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
 from .exits import ROUGH
@@ -26,6 +29,7 @@ from .exits import ROUGH
 if TYPE_CHECKING:
     from ..rationalisation import Rationalised
     from ..rationalisation.design import Design
+    from ..rationalisation.mould_sweep import Sweep
     from ..rationalisation.run import Progress
     from ..rationalisation.seams import SeamsInput
 
@@ -39,7 +43,8 @@ OUT is a .3dm with the solved surface and the layers CGC Rationalised::Moulds, S
 compas-cgc mould OUT -o moulds.3dm --count 1 lays the panels onto their moulds. A .step file receives the panels as trimmed faces of one
 shell, a .3dm file with --nurbs four-sided patches whose sides coincide.
 
-exit codes: 0 done; 1 the distance of --within is exceeded, or the surface did not converge; 3 the surface is rough
+exit codes: 0 done; 1 the distance of --within is exceeded, or the surface did not converge; 3 the surface is rough; 4 the report or the
+sweep could not be written
 
 examples:
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --moulds 4
@@ -132,14 +137,21 @@ def run(arguments: argparse.Namespace) -> int:
     for note in found.design.notes:
         echo(f"{arguments.input}: {note}")
     echo(found.summary)
-    written, notes = _write(arguments, found)
-    for note in notes:
-        echo(f"{arguments.output}: {note}")
-    for path in written:
-        echo(f"wrote {path}")
-    if arguments.sweep is not None and not found.cancelled:
-        for path in _write_sweep(arguments, found.design, echo):
-            echo(f"wrote {path}")
+    incomplete: Optional[PartlyPublished] = None
+    lines: list[str] = []
+    try:
+        _write(arguments, found, lines)
+    except PartlyPublished as error:
+        incomplete = error
+    for text in lines:
+        echo(text)
+    code = _code(found)
+    if incomplete is not None:
+        print(f"compas-cgc: {incomplete}", file=sys.stderr)
+    return INCOMPLETE if incomplete is not None and code in (DONE, ROUGH) else code
+
+
+def _code(found: Rationalised) -> int:
     if found.cancelled:
         return INTERRUPTED
     if not found.kept:
@@ -200,16 +212,20 @@ def length(text: str, units: Union[str, None], name: str) -> float:
     return value * SUFFIXES[suffix] / METRES.get(units or "Meters", 1.0)
 
 
-def _write(arguments: argparse.Namespace, found: Rationalised) -> tuple[list[Path], list[str]]:
-    """Write the surface and the report; return their paths, and notes on smooth surfaces."""
-    from .._atomic_write import published_together
+def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str]) -> None:
+    """Write the surface, the report and the sweep, and add notes on them to `lines`.
+
+    Raises
+    ------
+    PartlyPublished
+        If the report or the sweep cannot be written; the surface is.
+    """
     from .._atomic_write import write_text
     from .._version import __version__
     from ..io import write
 
     output = Path(arguments.output)
     record = {"version": __version__, "input": Path(arguments.input).name, **found.to_dict()}
-    written = [output]
     with published_together():
         if output.suffix.lower() == ".3dm":
             from ..io.rhino.panel_layers import PanelClasses
@@ -221,25 +237,28 @@ def _write(arguments: argparse.Namespace, found: Rationalised) -> tuple[list[Pat
             notes = write_panels(output, found.result, classes, texts, source, arguments.nurbs)
         else:
             notes = write(output, found.result)
+        lines += [*(f"{output}: {note}" for note in notes), f"wrote {output}"]
         if arguments.report:
             from ..fabrication.shell.fit import AccuracyNote
 
             record = {**record, "files": notes, "surfaces": [own.figures for own in notes if isinstance(own, AccuracyNote)]}
-            write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
-            written.append(Path(arguments.report))
-    return written, notes
+            with further_outputs():
+                write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+                lines.append(f"wrote {arguments.report}")
+        if arguments.sweep is not None and not found.cancelled:
+            with further_outputs():
+                swept = _sweep(arguments, found.design)
+                lines += [str(swept), *(f"wrote {path}" for path in _write_sweep(output, swept))]
 
 
-def _write_sweep(arguments: argparse.Namespace, design: Design, echo: Callable[[str], None]) -> list[Path]:
-    """Write the table and the picture of distances for several numbers of moulds."""
-    from .._atomic_write import write_text
-    from ..plot import save
+def _sweep(arguments: argparse.Namespace, design: Design) -> Sweep:
+    """Return the rationalisations of a design with several numbers of moulds; Ctrl-C ends it with those that are done."""
     from ..rationalisation import sweep
     from ..rationalisation.mould_sweep import MOULDS
 
     units = design.drawing.units
     with interruptible() as cancelled:
-        found = sweep(
+        return sweep(
             design,
             arguments.sweep or MOULDS,
             panel=None if arguments.panel is None else length(arguments.panel, units, "--panel"),
@@ -249,12 +268,17 @@ def _write_sweep(arguments: argparse.Namespace, design: Design, echo: Callable[[
             edges=arguments.edges,
             callback=lambda state: cancelled.is_set(),
         )
-    echo(str(found))
-    rows = found.rows()
+
+
+def _write_sweep(output: Path, swept: Sweep) -> list[Path]:
+    """Write a table and a picture of the distances beside an output."""
+    from .._atomic_write import write_text
+    from ..plot import save
+
+    rows = swept.rows()
     table = "\n".join([",".join(rows[0]), *(",".join(str(value) for value in row.values()) for row in rows)]) + "\n"
-    output = Path(arguments.output)
     write_text(output.with_suffix(".csv"), table)
-    return [output.with_suffix(".csv"), save(found.figure(), output.with_suffix(".png"))]
+    return [output.with_suffix(".csv"), save(swept.figure(), output.with_suffix(".png"))]
 
 
 class _Line:

@@ -6,8 +6,6 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +14,7 @@ from typing import Optional
 from typing import cast
 
 from .._atomic_write import PartlyPublished
+from .._atomic_write import further_outputs
 from .._atomic_write import published_together
 from ..errors import CGCError
 from ..errors import FileError
@@ -146,7 +145,7 @@ def run(arguments: argparse.Namespace) -> int:
             change = sensitivity(result)
         for sentence in change.sentences():
             echo(sentence)
-    failures: list[Exception] = []
+    incomplete: Optional[PartlyPublished] = None
     code = DONE
     lines: list[str] = []
     try:
@@ -154,30 +153,21 @@ def run(arguments: argparse.Namespace) -> int:
         with published_together():
             code, lines, surface = _write_surface(arguments, result, analysis, parts)
             if draw is not None and result.status not in FAILED:
-                with parts.part("drawing the picture"), _kept_going(failures):
+                with parts.part("drawing the picture"), further_outputs():
                     lines.append(f"wrote {draw(result)}")
             if arguments.report:
-                with _kept_going(failures):
+                with further_outputs():
                     more = {} if change is None else {"sensitivity": change.to_dict()}
                     _write_report(arguments, result, analysis, {"surface": surface and surface.name, **more})
     except PartlyPublished as error:
-        failures.append(error)
+        incomplete = error
     except FileError as error:
         return _save_elsewhere(arguments, result, analysis, error)
     for line in lines:
         echo(line)
-    for failure in failures:
-        print(f"compas-cgc: {failure}", file=sys.stderr)
-    return INCOMPLETE if failures and code in (DONE, ROUGH) else code
-
-
-@contextmanager
-def _kept_going(failures: list[Exception]) -> Iterator[None]:
-    """Collect the error of an output that is not the surface."""
-    try:
-        yield
-    except (CGCError, OSError) as error:
-        failures.append(error)
+    if incomplete is not None:
+        print(f"compas-cgc: {incomplete}", file=sys.stderr)
+    return INCOMPLETE if incomplete is not None and code in (DONE, ROUGH) else code
 
 
 def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], Path]]:

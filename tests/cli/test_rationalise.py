@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
+from pathlib import Path
 
 import pytest
 
 from compas_cgc import read
+from compas_cgc.cli.exits import INCOMPLETE
 from compas_cgc.cli.main import main
 from compas_cgc.cli.rationalise import length
 from compas_cgc.errors import CGCError
@@ -107,3 +110,23 @@ def test_lengths_have_units(text, units, value):
 def test_lengths_that_are_not_understood_are_refused(text):
     with pytest.raises(CGCError, match="--panel"):
         length(text, "Meters", "--panel")
+
+
+def test_a_sweep_appears_together_with_the_surface(design, tmp_path, monkeypatch):
+    out, put, real = tmp_path / "panels.obj", [], os.replace
+    monkeypatch.setattr(os, "replace", lambda a, b: (put.append(Path(b).name), real(a, b)))
+    command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--sweep", "1", "2", "-q"]
+    assert main([*command, "--report", str(tmp_path / "panels.json")]) == 0
+    assert put[0].endswith(".journal") and put[1:] == ["panels.obj", "panels.json", "panels.csv", "panels.png"]
+    assert [row.split(",")[0] for row in out.with_suffix(".csv").read_text().splitlines()] == ["moulds", "1", "2"]
+
+
+@pytest.mark.parametrize("failing", ["panels.json", "panels.png"])
+def test_an_output_that_cannot_be_written_does_not_lose_the_surface(design, tmp_path, capsys, failing):
+    out = tmp_path / "panels.obj"
+    out.with_suffix(".csv").write_text("old")
+    (tmp_path / failing).mkdir()
+    command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--sweep", "1", "-q"]
+    assert main([*command, "--report", str(tmp_path / "panels.json")]) == INCOMPLETE
+    assert f"{failing} is a folder" in capsys.readouterr().err
+    assert out.exists() and (out.with_suffix(".csv").read_text() == "old") == (failing == "panels.png")

@@ -16,6 +16,7 @@ import compas_cgc
 from compas_cgc import CGCMesh
 from compas_cgc import _atomic_write
 from compas_cgc._atomic_write import PartlyPublished
+from compas_cgc._atomic_write import further_outputs
 from compas_cgc._atomic_write import published_together
 from compas_cgc._atomic_write import recover
 from compas_cgc._atomic_write import replacing
@@ -134,6 +135,25 @@ def test_the_first_file_decides_and_a_later_one_is_named(tmp_path, monkeypatch):
     with pytest.raises(PartlyPublished, match="report.json cannot be written"):
         publish()
     assert [(tmp_path / name).read_text() for name in NAMES] == ["new", "old", "new"] and left(tmp_path) == []
+
+
+def test_further_outputs_that_fail_are_left_out_together_and_named(tmp_path):
+    old_files(tmp_path)
+    with pytest.raises(PartlyPublished, match="no pictures today"):
+        with published_together():
+            write_text(tmp_path / NAMES[0], "new")
+            with further_outputs():
+                write_text(tmp_path / NAMES[1], "new")
+                raise FileError("no pictures today")
+    assert [(tmp_path / name).read_text() for name in NAMES] == ["new", "old", "old"] and left(tmp_path) == []
+
+
+def test_a_command_whose_first_output_alone_is_in_its_place_ends_with_a_code_of_its_own(plan, monkeypatch, capsys):
+    def check(arguments):
+        raise PartlyPublished("report.json cannot be written")
+
+    monkeypatch.setattr("compas_cgc.cli.check.run", check)
+    assert main(["check", str(plan)]) == INCOMPLETE and "report.json cannot be written" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("failing", ["fsync", "replace"])
