@@ -16,11 +16,12 @@ from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.nurbs import NurbsPatch
-from ..errors import FileError
+from ..errors import MeshError
 from ..fabrication.shell.edges import loops_of
 from ..fabrication.shell.fit import Fit
 from ..fabrication.shell.fit import Piece
 from ..fabrication.shell.heights import DEGREE
+from .occt import EDGE
 from .occt import FACE
 from .occt import opencascade
 
@@ -57,7 +58,7 @@ def step_content(shape: Any, name: str, faces: Optional[list[str]] = None, origi
     if faces is not None:
         first, *others = content.split(UNNAMED)
         if len(others) != len(faces):
-            raise FileError(f"OpenCASCADE wrote {len(others)} faces instead of {len(faces)}; write .3dm instead")
+            raise MeshError(f"OpenCASCADE wrote {len(others)} faces instead of {len(faces)}; write .3dm instead")
         escaped = [own.replace("'", "''") for own in faces]
         content = first + "".join(f"ADVANCED_FACE('{own}',{rest}" for own, rest in zip(escaped, others))
     return content.encode("utf-8")
@@ -84,9 +85,26 @@ def shell_of(occt: Any, fit: Fit, placed: Callable[[FloatArray], FloatArray]) ->
 
     Raises
     ------
-    FileError
+    MeshError
         If the faces do not make one valid shell.
     """
+    try:
+        faces = _faces(occt, fit, placed)
+        shell = occt.fix_shell(occt.shell_from_faces(faces))
+    except RuntimeError as error:
+        raise MeshError(f"OpenCASCADE cannot trim and join the surfaces ({error}); refine the mesh, or write .3dm") from None
+    if not occt.is_valid(shell):
+        raise MeshError("OpenCASCADE does not accept the faces as one valid shell; refine the mesh, or write .3dm")
+    # The faces of the shell are copies in another order.
+    middles = cKDTree([_middle(occt, face) for face in faces])
+    order = middles.query([_middle(occt, face) for face in occt.shape_explore(shell, FACE)])[1].tolist()
+    if sorted(order) != list(range(len(faces))):
+        raise MeshError("OpenCASCADE did not keep all faces in the shell; refine the mesh, or write .3dm")
+    return shell, order
+
+
+def _faces(occt: Any, fit: Fit, placed: Callable[[FloatArray], FloatArray]) -> list[Any]:
+    """Return the trimmed face of every piece; neighbours share their edges."""
     ends: dict[int, list[FloatArray]] = {}
     for edge, curve in zip(fit.edges, fit.curves):
         for vertex, point in zip(edge.path[[0, -1]].tolist(), curve[[0, -1]]):
@@ -108,15 +126,16 @@ def shell_of(occt: Any, fit: Fit, placed: Callable[[FloatArray], FloatArray]) ->
             if hole is not outer:
                 face = occt.face_add_loop(face, occt.make_wire([made[k] for k in hole]))
         faces.append(face)
-    shell = occt.fix_shell(occt.shell_from_faces(faces))
-    if not occt.is_valid(shell):
-        raise FileError("OpenCASCADE does not accept the faces as one valid shell; refine the mesh, or write .3dm")
-    # The faces of the shell are copies in another order.
-    middles = cKDTree([occt.centroid(face) for face in faces])
-    order = middles.query([occt.centroid(face) for face in occt.shape_explore(shell, FACE)])[1].tolist()
-    if sorted(order) != list(range(len(faces))):
-        raise FileError("OpenCASCADE did not keep all faces in the shell; refine the mesh, or write .3dm")
-    return shell, order
+    return faces
+
+
+def _middle(occt: Any, face: Any) -> FloatArray:
+    """Return the mean of the middles of the edges of a face (3,); OpenCASCADE takes centroids of volumes below faces, which may be 0."""
+    middles = []
+    for edge in occt.shape_explore(face, EDGE):
+        start, end = occt.edge_domain(edge)
+        middles.append(occt.curve_point_at(occt.edge_to_bspline(edge), 0.5 * (start + end)))
+    return np.mean(middles, axis=0)
 
 
 def _area(piece: Piece, fit: Fit, loop: list[int]) -> float:

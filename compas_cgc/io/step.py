@@ -24,9 +24,10 @@ def step_bytes(problem: CGCProblem) -> tuple[bytes, list[str]]:
     Raises
     ------
     MeshError
-        If the surfaces do not meet their tolerances, see :func:`compas_cgc.fabrication.shell.regions.region_surfaces`.
+        If the surfaces do not meet their tolerances, see :func:`compas_cgc.fabrication.shell.regions.region_surfaces`, or if the faces do
+        not make one valid shell.
     FileError
-        If the package that writes STEP files is not installed, or if the faces do not make one valid shell.
+        If the package that writes STEP files is not installed.
     """
     occt = opencascade()
     fit = region_surfaces(problem)

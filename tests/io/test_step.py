@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from compas_cgc.fabrication.shell.heights import HeightSpace
 from compas_cgc.fabrication.shell.patches import region_patches
 from compas_cgc.fabrication.shell.regions import region_surfaces
 from compas_cgc.fabrication.shell.singular import singular_vertices
+from compas_cgc.io import opencascade
 from compas_cgc.io.step import step_bytes
 
 occt = pytest.importorskip("compas_occt._occt")
@@ -65,6 +67,31 @@ def test_a_georeferenced_roof_is_one_valid_shell_in_its_place(facade, tmp_path):
     # STEP files have 13 digits, which are steps of .001 mm here.
     assert np.array(occt.centroid(far)) == pytest.approx(np.array(occt.centroid(near)) + 1e3 * away, abs=0.01, rel=0)
     assert occt.area(far) == pytest.approx(occt.area(near), rel=1e-5)
+
+
+def test_regions_of_a_plane_through_its_centre_keep_their_names(tmp_path):
+    """The volume between a plane and the origin of the shape is 0, and so is the centroid that OpenCASCADE computes from it."""
+    plane = compas_cgc.CGCMesh.from_meshgrid(dx=6.0, nx=12)
+    plane.set_supports("corners")
+    plane.set_creases([[13 * 4 + k for k in range(13)]])
+    plane.set_target(0.0)
+    compas_cgc.write(tmp_path / "plane.step", compas_cgc.solve(plane))
+    names = re.findall(r"ADVANCED_FACE\('([^']*)'", (tmp_path / "plane.step").read_text(encoding="utf-8"))
+    areas = [occt.area(face) for face in occt.shape_explore(shell_of(tmp_path / "plane.step"), FACE)]
+    vertices, faces = plane.arrays()[:2]
+    own = {f"region {k}": 1e6 * face_areas(vertices, faces[region]).sum() for k, region in enumerate(plane.regions())}
+    assert areas == pytest.approx([own[name] for name in names]) and sorted(areas) == pytest.approx([12e6, 24e6])
+
+
+def test_surfaces_that_opencascade_refuses_do_not_cost_the_mesh(facade, tmp_path, monkeypatch, capsys):
+    def refuse(*_):
+        raise RuntimeError("BRep_API: command not done")
+
+    monkeypatch.setattr(opencascade, "_faces", refuse)
+    compas_cgc.write(tmp_path / "drawn.3dm", facade)
+    assert main(["solve", str(tmp_path / "drawn.3dm"), "-o", str(tmp_path / "roof.step"), "-q"]) == 4
+    assert "OpenCASCADE cannot trim and join the surfaces (BRep_API: command not done); refine the mesh" in capsys.readouterr().err
+    assert (tmp_path / "roof.obj").exists() and not (tmp_path / "roof.step").exists()
 
 
 def test_surfaces_meet_and_have_their_curvature(facade):

@@ -18,6 +18,7 @@ from ...errors import MeshError
 from ...meshing import face_regions
 from ...meshing.cleanup import tidy
 from ...model.counts import counted
+from ...model.lengths import length_text
 from ._types import Geometry
 from ._types import Mesh
 from .archive import Item
@@ -176,7 +177,7 @@ def _precision_note(parts: list[Part], V: FloatArray, rounding: float, unit: str
 def _shape_notes(V: FloatArray, F: IntArray, unit: str) -> list[str]:
     """Return notes on the size of a mesh and the direction of its normals."""
     low, high = V.min(axis=0), V.max(axis=0)
-    size = " x ".join(f"{x:.4g}" for x in high - low)
+    size = " x ".join(length_text(x, float(np.linalg.norm(high - low))) for x in (high - low).tolist())
     pieces = int(face_regions(F, np.empty((0, 2), np.int64)).max()) + 1
     notes = [f"the mesh has {len(V)} vertices and {len(F)} triangles in {counted(pieces, 'piece')}, {size}{unit}"]
     area = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])

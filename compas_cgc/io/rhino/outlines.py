@@ -34,7 +34,7 @@ COINCIDENCE = 0.01  # distance below which outlines coincide, relative to the ed
 def outline_part(found: Selection, edge_length: Optional[float], tolerance: float) -> MeshedSurface:
     """Return a mesh bounded by outlines, with vertices at the supports and edges along the creases.
 
-    The outline that encloses the largest area is the boundary; the others are holes.
+    Outlines inside others are holes.
 
     Parameters
     ----------
@@ -77,8 +77,7 @@ def outlined(
     Parameters
     ----------
     outlines
-        Names and points (k, 3) of closed curves, or of curves that meet end to end [L]; the largest is the boundary, the others are
-        holes.
+        Names and points (k, 3) of closed curves, or of curves that meet end to end [L]; curves inside others are holes.
     creases
         Curves that become edges.
     columns
@@ -113,16 +112,23 @@ def outlined(
     rings = _once(drawn, min(tolerance, COINCIDENCE * edge_length))
     lifted = [_lifted(ring, columns, edge_length) for ring in rings]
     count = sum(number for _, number in lifted)
-    boundary, *holes = sorted((ring for ring, _ in lifted), key=lambda points: -_area(points))
     lines = [crease for crease in creases if len(crease.points) > 1]
-    made = mesh_from_outline(boundary, holes, [crease.points for crease in lines], edge_length, tolerance, columns)
+    parts = _parts([ring for ring, _ in lifted])
+    meshes = [mesh_from_outline(own[0], own[1:], [crease.points for crease in lines], edge_length, tolerance, columns) for own in parts]
+    made = _together(meshes)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
-    within = f" and {counted(len(holes), 'hole')}" if holes else ""
-    note = f"a mesh with edges of about {edge_length:g} was generated from an outline{within}"
+    holes = len(rings) - len(parts)
+    within = f" and {counted(holes, 'hole')}" if holes else ""
+    whole = "an outline" if len(parts) == 1 else f"{len(parts)} outlines"
+    note = f"a mesh with edges of about {edge_length:g} was generated from {whole}{within}"
     twice = ["duplicate outlines were used once"] if len(rings) < len(drawn) else []
     if count:
         twice.append(f"{count} corner{'s were' if count > 1 else ' was'} moved to the height of the support above or below")
-    beside = [f"{crease.label} lies outside the outline and was ignored" for crease in lines if _is_beside(boundary, crease.points)]
+    beside = [
+        f"{crease.label} lies outside the outline and was ignored"
+        for crease in lines
+        if all(_is_beside(own[0], crease.points) for own in parts)
+    ]
     part = Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {})
     return MeshedSurface(part, _pieces(made, lines), [note, *twice, *beside])
 
@@ -135,6 +141,30 @@ def _joined(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> lis
         (pieces if is_open else whole).append((name, points))
     made = chains([points for _, points in pieces], tolerance)
     return [*whole, *((pieces[chain.curves[0]][0], chain.points) for chain in made)]
+
+
+def _parts(rings: Sequence[FloatArray]) -> list[list[FloatArray]]:
+    """Return the closed curves (k, 3) of every part of a roof, each with its boundary first; parts do not touch each other in plan."""
+    import shapely
+
+    parts = list[list[FloatArray]]()
+    for ring in sorted(rings, key=lambda points: -_area(points)):
+        around = next((own for own in parts if shapely.Polygon(own[0][:, :2]).intersects(shapely.LineString(ring[:, :2]))), None)
+        if around is None:
+            parts.append([ring])
+        else:
+            around.append(ring)
+    return parts
+
+
+def _together(meshes: Sequence[Outlined]) -> Outlined:
+    """Return meshes as one."""
+    first = np.cumsum([0, *(len(own.vertices) for own in meshes)])
+    return Outlined(
+        np.concatenate([own.vertices for own in meshes]),
+        np.concatenate([own.faces + k for own, k in zip(meshes, first)]),
+        [[int(vertex + k) for vertex in path] for own, k in zip(meshes, first) for path in own.creases],
+    )
 
 
 def _is_beside(boundary: FloatArray, points: FloatArray) -> bool:

@@ -136,6 +136,20 @@ def test_curves_that_meet_end_to_end_are_one_outline(tmp_path, mesher):
         outlined([("curve 0", arc)], [], np.empty((0, 3)), 1.0, 1e-3)
 
 
+def test_outlines_beside_each_other_are_parts_of_one_roof(mesher, tmp_path):
+    sketch = Sketch()
+    for points in (SQUARE, 0.3 * SQUARE + [2, 2, 0], 0.5 * SQUARE + [12, 0, 0]):
+        sketch.curve(points, "CGC::Mesh")
+    sketch.curve([[12, 0, 0], [17, 5, 0]], "CGC::Creases")
+    found = read_3dm(sketch.save(tmp_path / "parts.3dm"), edge_length=1.0)
+    mesh = CGCMesh.from_problem(found.checked())
+    assert "from 2 outlines and 1 hole" in found.notes[0] and not any("ignored" in note for note in found.notes)
+    assert len(mesh.boundary_loops()) == 3 and len(mesh.regions()) == 3
+    assert face_areas(found.problem.vertices, found.problem.faces).sum() == pytest.approx(100 - 9 + 25)
+    with pytest.raises(MeshError, match="do not enclose an area that can be meshed"):
+        outlined([("a", SQUARE), ("b", 0.5 * SQUARE + [8, 2, 0])], [], np.empty((0, 3)), 1.0, 1e-3)
+
+
 def test_a_hole_in_a_hole_is_named_by_its_place(mesher):
     holes = [0.2 * size * (SQUARE - 5) + 5 for size in (3, 1)]
     with pytest.raises(MeshError, match=r"the hole at \(4, 4\) lies in another hole"):
