@@ -105,18 +105,29 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
     elif isinstance(geometry, rhino3dm.Surface):
         geometry = rhino3dm.Brep.CreateFromSurface(geometry)
     _check_length(item, edge_length, unit)
-    made, length = _attempted(item, geometry, edge_length, tolerance, [crease.points for crease in creases])
-    vertices, faces, deviation = made.vertices, made.faces, made.deviation
+    # Far from the origin, rounding makes smooth surfaces appear kinked.
+    origin = box_around([geometry]).mean(axis=0)
+    local = _moved(geometry, -origin)
+    made, length = _attempted(item, local, edge_length, tolerance, [crease.points - origin for crease in creases])
+    vertices, faces, deviation = made.vertices + origin, made.faces, made.deviation
     text = f"{item.label} was meshed with edges of about {length:g}{unit}, within {deviation:.2g}{unit} of the surface"
     if length < edge_length:
         text += f"; edges of {edge_length:g}{unit} would intersect"
     if made.joints:
         text += f"; {len(made.joints)} sharp joints became creases" if len(made.joints) > 1 else "; a sharp joint became a crease"
-    drawn = [Drawn(f"a joint of {item.label}", "curve", line, None, {}) for line in made.joints]
-    drawn += [crease._replace(points=line) for crease, line in zip(creases, made.creases)]
+    drawn = [Drawn(f"a joint of {item.label}", "curve", line + origin, None, {}) for line in made.joints]
+    drawn += [crease._replace(points=line + origin) for crease, line in zip(creases, made.creases)]
     law = user_law({**item.layer_text, **item.text})
     part = Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, law, item.text)
     return MeshedSurface(part, drawn, [text], bool(made.creases))
+
+
+def _moved(geometry: Geometry, by: FloatArray) -> Geometry:
+    """Return a copy of a geometry, moved by a vector (3,) [L]."""
+    rhino3dm = rhino3dm_module()
+    copy = geometry.Duplicate()
+    copy.Transform(rhino3dm.Transform.Translation(rhino3dm.Vector3d(*by.tolist())))
+    return copy
 
 
 def _check_length(item: Item, edge_length: float, unit: str) -> None:

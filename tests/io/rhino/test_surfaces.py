@@ -346,3 +346,22 @@ def test_damaged_coordinates_are_refused(tmp_path):
     assert model.Write(str(tmp_path / "damaged.3dm"), 7)
     with pytest.raises(FileError, match=r"e\+14\d large; its coordinates are damaged"):
         read_3dm(tmp_path / "damaged.3dm")
+
+
+@pytest.mark.parametrize("far", [1e7, 1e11])
+def test_a_smooth_surface_far_from_the_origin_gets_no_joints_and_the_mesh_of_one_at_the_origin(tmp_path, far):
+    def dome():
+        made = rhino3dm.NurbsSurface.Create(3, False, 4, 4, 9, 9)
+        for i in range(9):
+            for j in range(9):
+                made.Points[i, j] = rhino3dm.Point4d(i, j, 0.1 * (i * (8 - i) + j * (8 - j)), 1.0)
+        for knots in (made.KnotsU, made.KnotsV):
+            knots.CreateUniformKnots(1.0)
+        return made
+
+    near = read_3dm(saved(tmp_path, dome()), edge_length=0.5)
+    moved = dome()
+    moved.Transform(rhino3dm.Transform.Translation(rhino3dm.Vector3d(far, -far, 0.0)))
+    found = read_3dm(saved(tmp_path, moved), edge_length=0.5)
+    assert not len(found.problem.creases) and np.array_equal(found.problem.faces, near.problem.faces)
+    assert np.abs(found.problem.vertices - near.problem.vertices - [far, -far, 0.0]).max() < 1e-15 * far + 1e-9
