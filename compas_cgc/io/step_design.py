@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import Union
 
@@ -25,8 +26,9 @@ __all__ = ["read_step_design"]
 
 COINCIDENCE = 1e-3  # distance within which points of neighbouring faces coincide, relative to the tolerance
 MAX_NEIGHBOURS = 100  # within this distance, in the mean; beyond, merging takes gigabytes
-# Longest processor time of reading; valid designs up to .6 MB took 1 s at most, one of 6 MB 2.5 s.
-SECONDS, SECONDS_PER_BYTE = 1.5, 0.7e-6
+# Longest processor time of reading; valid designs up to .6 MB took 1.4 s at most, one of 6 MB 2.5 s, where counting takes COUNT_SECONDS.
+SECONDS, SECONDS_PER_BYTE = 1.7, 0.7e-6
+COUNT_SECONDS = 1.6e-3
 MEMORY, MEMORY_PER_BYTE = 400 * 2**20, 50  # largest memory of reading [bytes]; 130 MB is the most that a valid design took
 PATIENCE = 20.0  # longest time by the clock, relative to the processor time, as on a busy computer
 _OUT_OF_TIME = getattr(signal, "SIGPROF", 0)  # ends a process that has used its processor time
@@ -59,7 +61,7 @@ def read_step_design(path: Union[str, os.PathLike]) -> DrawnDesign:
 def _read_apart(path: Path) -> dict[str, np.ndarray]:
     """Return the contents of a file, read by a process of its own."""
     size = path.stat().st_size
-    limit, memory = SECONDS + SECONDS_PER_BYTE * size, int(MEMORY + MEMORY_PER_BYTE * size)
+    limit, memory = (SECONDS + SECONDS_PER_BYTE * size) * _slowness(), int(MEMORY + MEMORY_PER_BYTE * size)
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "contents"
         try:
@@ -82,6 +84,18 @@ def _read_apart(path: Path) -> dict[str, np.ndarray]:
     if "reason" in contents:
         raise FileError(str(contents["reason"]))
     return contents
+
+
+def _slowness() -> float:
+    """Return the time that this computer takes to count, relative to COUNT_SECONDS; 1 for faster ones."""
+
+    def seconds() -> float:
+        started = time.thread_time()
+        sum(k * k for k in range(50_000))
+        return time.thread_time() - started
+
+    # The fastest of a few, as others are delayed by what else runs.
+    return max(1.0, min(seconds() for _ in range(5)) / COUNT_SECONDS)
 
 
 def _design(contents: dict[str, np.ndarray]) -> DrawnDesign:

@@ -143,7 +143,26 @@ def test_a_reader_that_has_used_its_processor_time_is_said(cushion, tmp_path, mo
     reader.write_text("#!/bin/sh\nkill -PROF $$\n", encoding="utf-8")
     reader.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(reader))
-    with pytest.raises(FileError, match="takes more than 1.6 s to read"):
+    monkeypatch.setattr(step_design, "_slowness", lambda: 10.0)
+    with pytest.raises(FileError, match="takes more than 18 s to read"):
+        read_step_design(tmp_path / "cushion.step")
+
+
+def test_slower_computers_get_more_time(monkeypatch):
+    assert step_design._slowness() >= 1.0
+    monkeypatch.setattr(step_design, "COUNT_SECONDS", 1e-6)
+    assert step_design._slowness() > 100.0
+    monkeypatch.setattr(step_design, "COUNT_SECONDS", 1e6)
+    assert step_design._slowness() == 1.0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="systems without a limit of processor time")
+def test_a_reader_is_ended_when_it_has_used_its_processor_time(cushion, tmp_path, monkeypatch):
+    (tmp_path / "cushion.step").write_text(cushion, encoding="utf-8")
+    monkeypatch.setattr(step_design, "SECONDS", 0.002)
+    monkeypatch.setattr(step_design, "SECONDS_PER_BYTE", 0.0)
+    monkeypatch.setattr(step_design, "PATIENCE", 1e5)
+    with pytest.raises(FileError, match="takes more than .* s to read"):
         read_step_design(tmp_path / "cushion.step")
 
 

@@ -26,13 +26,15 @@ __all__ = ["Item", "box_around", "list_items", "read_archive", "rhino3dm_module"
 
 _MAGIC = b"3D Geometry File Format "
 
-# Trial in a child process: a damaged length can exhaust the memory or crash the process.
+# Trial in a child process: a damaged length can exhaust the memory, take minutes or crash the process.
 _TRIAL = """
+import signal
 import sys
 sys.path = [entry for entry in sys.path if entry]
 try:
     import resource
     resource.setrlimit(resource.RLIMIT_AS, (int(sys.argv[2]), int(sys.argv[2])))
+    signal.setitimer(signal.ITIMER_PROF, float(sys.argv[3]))
 except (ImportError, OSError, ValueError):
     pass
 import rhino3dm
@@ -42,6 +44,9 @@ sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
 
 # Address space of the trial [byte]: Python with rhino3dm takes 40 MB, and an intact file a multiple of its size.
 TRIAL_MEMORY, TRIAL_MEMORY_PER_BYTE = 400 << 20, 100
+# Processor time of the trial [s]; an intact file takes .1 s and .02 s/MB.
+TRIAL_SECONDS, TRIAL_SECONDS_PER_BYTE = 1.5, 0.5e-6
+TRIAL_PATIENCE = 10.0  # longest time by the clock, relative to the processor time, as on a busy computer
 MAX_NESTING = 20  # levels of nested blocks
 
 
@@ -239,9 +244,10 @@ def _check_in_child(path: Path) -> None:
     if not os.path.basename(sys.executable or "").lower().startswith(("python", "pypy")):
         return  # Inside Rhino the executable is Rhino.
     size = path.stat().st_size
-    command = [sys.executable, "-c", _TRIAL, str(path.resolve()), str(TRIAL_MEMORY + TRIAL_MEMORY_PER_BYTE * size)]
+    memory, seconds = TRIAL_MEMORY + TRIAL_MEMORY_PER_BYTE * size, TRIAL_SECONDS + TRIAL_SECONDS_PER_BYTE * size
+    command = [sys.executable, "-c", _TRIAL, str(path.resolve()), str(memory), str(seconds)]
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=10.0 + size / 2e6)
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=TRIAL_PATIENCE * seconds)
     except subprocess.TimeoutExpired:
         raise _damaged(path) from None
     except OSError:

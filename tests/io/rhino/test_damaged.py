@@ -10,6 +10,7 @@ import pytest
 
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
+from compas_cgc.io.rhino import archive
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino.archive import read_archive
 
@@ -95,6 +96,17 @@ def test_what_kills_or_stops_the_reader_is_reported(whole, tmp_path, monkeypatch
     else:
         with pytest.raises(FileError, match="is damaged; open it in Rhino"):
             read_archive(path)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="systems without a limit of processor time")
+def test_a_trial_that_has_used_its_processor_time_is_ended(whole, tmp_path, monkeypatch):
+    path = tmp_path / "roof.3dm"
+    path.write_bytes(whole)
+    monkeypatch.setattr(archive, "_TRIAL", archive._TRIAL.replace("import rhino3dm", "while True: pass"))
+    monkeypatch.setattr(archive, "TRIAL_SECONDS", 0.2)
+    monkeypatch.setattr(archive, "TRIAL_PATIENCE", 1000.0)
+    with pytest.raises(FileError, match="is damaged; open it in Rhino"):
+        read_archive(path)
 
 
 def test_inside_rhino_no_second_rhino_is_started(whole, tmp_path, monkeypatch):
