@@ -25,6 +25,8 @@ from compas_cgc.fabrication.quads.cross_field import cross_field
 from compas_cgc.fabrication.quads.extraction import Polygons
 from compas_cgc.fabrication.quads.merging import merged
 from compas_cgc.fabrication.quads.planarity import _diagonals
+from compas_cgc.fabrication.quads.planarity import gaps
+from compas_cgc.fabrication.quads.planarity import planarised
 from compas_cgc.io import write
 from compas_cgc.model.problem import CGCProblem
 from tests.support.constant_curvature import revolved_patch
@@ -206,6 +208,17 @@ def test_the_slopes_of_the_distance_between_diagonals_are_exact():
     assert gap == pytest.approx(
         [np.linalg.det([b - a, c - a, d - a]) / np.linalg.norm(np.cross(c - a, d - b)) for a, b, c, d in points[corners]]
     )
+
+
+def test_a_face_with_corners_in_line_is_plane_only_if_its_other_corners_are():
+    """Corners 1, 2 and 3 lie in line, so that the corners beside them were not held in one plane."""
+    corners = np.array([[0, 0, 0.05], [1, 0, 0], [1, 0.4, 0], [1, 1, 0], [0, 1, 0]], float)
+    assert gaps(corners, [[0, 1, 2, 3, 4]])[0] > 0.02
+    assert gaps(corners * [1, 1, 0], [[0, 1, 2, 3, 4]])[0] == 0.0
+    plane = np.array([[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [2.0, 2.0, 0.0], [-1.0, 2.0, 0.0]])
+    own = Polygons(corners, [[0, 1, 2, 3, 4]], np.zeros(5, bool), np.zeros(5, bool))
+    made = planarised(own, plane, np.array([[0, 1, 2], [0, 2, 3]]), [np.arange(4)])
+    assert np.linalg.svd(made - made.mean(axis=0))[1][2] < 1e-6
 
 
 def test_short_beams_are_named_in_the_report_and_in_the_tables():

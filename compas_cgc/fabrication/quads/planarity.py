@@ -97,8 +97,15 @@ def _aims(
 
 
 def _quadruples(polygons: list[list[int]]) -> tuple[IntArray, IntArray]:
-    """Return four consecutive corners (q, 4) whose planes make polygons plane, and the polygon of each (q,)."""
-    found = [(own[k : k + 4], f) for f, own in enumerate(polygons) for k in range(len(own) - 3)]
+    """Return four consecutive corners (q, 4) whose planes make polygons plane, and the polygon of each (q,).
+
+    Polygons with more corners have as many quadruples as corners: three corners in line share a plane with any fourth one.
+    """
+    found = [
+        ([own[(k + j) % len(own)] for j in range(4)], f)
+        for f, own in enumerate(polygons)
+        for k in range(len(own) if len(own) > 4 else len(own) - 3)
+    ]
     return np.array([each[0] for each in found], dtype=np.int64).reshape(-1, 4), np.array([each[1] for each in found], dtype=np.int64)
 
 
