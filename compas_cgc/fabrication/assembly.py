@@ -20,6 +20,10 @@ from .drawing import overlap
 from .drawing import roomiest
 from .drawing import text_box
 from .figures import in_mm
+from .front_view import front_view
+from .front_view import is_plan
+from .front_view import seen_from
+from .front_view import view_name
 from .leaders import LED_SIZES
 from .leaders import READABLE
 from .leaders import around
@@ -112,7 +116,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
     Returns
     -------
     Drawing
-        View from above [L]; vertical pieces appear as lines.
+        View from above, or of an upright surface from outside [L]; pieces along the line of sight appear as lines.
 
     Examples
     --------
@@ -126,15 +130,17 @@ def draw_plan(patterns: Patterns) -> Drawing:
     """
     refuse_others(patterns, "a plan is drawn", "draw_plan")
     own = patterns.patchwork
-    low, high = own.space[:, :2].min(axis=0), own.space[:, :2].max(axis=0)
-    plan = own.space[:, :2] - low
+    axes = front_view(patterns.problem)
+    plan = own.space @ axes[:2].T
+    low, high = plan.min(axis=0), plan.max(axis=0)
+    plan = plan - low
     size = (float(high[0] - low[0]), float(high[1] - low[1]))
     height = 1.5 * MARK_LENGTH * max(size)
     lines, texts = [], []
     for number, (piece, course) in enumerate(zip(patterns.pieces, courses(patterns))):
         loops = [plan[loop.nodes] for loop in piece.loops]
         lines += [Line("OUTLINE", loop, True) for loop in loops]
-        # Pieces in upright position have no area in plan.
+        # Pieces along the line of sight have no area.
         free = inside(loops)
         place, room = roomiest(free if len(free) else plan[own.faces[own.piece == number]].mean(axis=1), loops)
         name = f"{piece.label} ({course})"
@@ -168,15 +174,16 @@ def draw_plan(patterns: Patterns) -> Drawing:
         lines += leader
         texts.append(label)
         boxes.append(text_box(text, label.place, label.height))
-    title = f"plan of {len(patterns.pieces)} pieces with courses from the supports in brackets, and seam numbers"
+    title = f"{view_name(axes)} of {len(patterns.pieces)} pieces with courses from the supports in brackets, and seam numbers"
     texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
     units = patterns.problem.drawing.units
     origin = ", ".join(f"{axis} = {in_mm([value], units)}" for axis, value in zip("xy", low.tolist()))
+    corner = f"; the lower left corner of this plan lies at {origin} of the model" if is_plan(axes) else ""
     notes = [
-        f"drawn 1:1, seen from above, x to the right and y up; the lower left corner of this plan lies at {origin} of the model",
+        f"drawn 1:1, {seen_from(axes)}{corner}",
         "pieces lie on their sheets turned; the numbers of seams show how",
     ]
-    key = key_of_plan(key_of(patterns.problem), np.array([0.0, size[1] + 5.0 * height]), size[0], 0.75 * height, units)
+    key = key_of_plan(key_of(patterns.problem), np.array([0.0, size[1] + 5.0 * height]), size[0], 0.75 * height, units, axes)
     return with_legend(Drawing([*lines, *key[0]], [*texts, *key[1]], size, units), MEANINGS, notes, 0.75 * height)
 
 

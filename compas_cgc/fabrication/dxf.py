@@ -12,6 +12,7 @@ from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from .drawing import LAYERS
 from .drawing import Drawing
+from .front_view import PLAN
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing as Document
@@ -38,16 +39,17 @@ def new_document(units: Optional[str]) -> Document:
     return filemanagement.new("R2010", units=_UNITS.get(units or "Meters", 0))
 
 
-def show_all(document: Document, points: FloatArray) -> None:
-    """Set the initial view of a DXF to all of its points (k, 2 or 3)."""
+def show_all(document: Document, points: FloatArray, axes: FloatArray = PLAN) -> None:
+    """Set the initial view of a DXF to all of its points (k, 2 or 3), with axes (3, 3) to the right, upwards and to the viewer."""
     low, high = (np.append(corner, 0.0)[:3].tolist() for corner in (points.min(axis=0), points.max(axis=0)))
     space = document.modelspace()
     space.reset_extents(low, high)
     space.reset_limits(low[:2], high[:2])
     # ezdxf treats a corner at the origin as unknown.
     document.header["$EXTMIN"], document.header["$EXTMAX"] = low, high
-    middle = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])
-    document.set_modelspace_vport(VIEW_MARGIN * max(high[0] - low[0], high[1] - low[1]), center=middle)
+    seen = points @ axes[:2, : points.shape[1]].T
+    middle, size = 0.5 * (seen.min(axis=0) + seen.max(axis=0)), float(np.ptp(seen, axis=0).max())
+    document.set_modelspace_vport(VIEW_MARGIN * size, center=middle.tolist(), dxfattribs={"direction": axes[2].tolist()})
 
 
 def dxf_text(drawing: Drawing) -> str:

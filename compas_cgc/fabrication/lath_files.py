@@ -12,6 +12,9 @@ from .drawing import Line
 from .drawing import Text
 from .drawing import clearance
 from .drawing import text_box
+from .front_view import is_plan
+from .front_view import seen_from
+from .front_view import view_name
 from .laths import Lath
 from .laths import LathSchedule
 from .legend import key_of_plan
@@ -177,15 +180,15 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
         "the lower edge lies inside; the face towards the viewer is the right one"
     )
     texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), 0.25 * width))
-    low = mm * np.min([edge[:, :2].min(axis=0) for edge in schedule.edges], axis=0)
+    low = mm * np.min([(edge @ schedule.view[:2].T).min(axis=0) for edge in schedule.edges], axis=0)
     plan = _plan(schedule, low)
     # The upper ends of strips and plan are level, below the legend, and the lower one of these ends at 0.
     below, across = ROW * width * (len(schedule.laths) - 1), max(right, 40.0 * width)
     top = max(below + 2.5 * width, plan.size[1])
     strips = Drawing(lines, texts, (right, top), "Millimeters").moved([0.0, top - 2.5 * width])
     plan = plan.moved([across + PLAN_GAP * width, top - plan.size[1]])
-    corner = f"x = {low[0]:.1f}, y = {low[1]:.1f} of the model"
-    notes = [*_notes(schedule), f"the plan at the right is seen from above; its lower left corner lies at {corner}"]
+    corner = f"; its lower left corner lies at x = {low[0]:.1f}, y = {low[1]:.1f} of the model" if is_plan(schedule.view) else ""
+    notes = [*_notes(schedule), f"the {view_name(schedule.view)} at the right is {seen_from(schedule.view)}{corner}"]
     both = strips._replace(lines=[*strips.lines, *plan.lines], texts=[*strips.texts, *plan.texts])
     drawing = with_legend(both, MEANINGS, notes, 0.3 * width, across)
     return drawing._replace(size=(across + PLAN_GAP * width + plan.size[0], drawing.size[1]))
@@ -205,7 +208,8 @@ def _plan(schedule: LathSchedule, corner: FloatArray) -> Drawing:
     """Return the laths in plan, with their numbers at station 0 and those of nodes; the lower left corner of the edges comes to 0 [mm]."""
     mm = 1e3 * schedule.unit
     height = PLAN_TEXT * mm * float(np.ptp(np.concatenate(schedule.edges), axis=0).max())
-    paths = [mm * lath.path[:, :2] - corner for lath in schedule.laths]
+    across = schedule.view[:2].T
+    paths = [mm * lath.path @ across - corner for lath in schedule.laths]
     names = [f"L{lath.number}" for lath in schedule.laths]
     numbers = _node_numbers(schedule, corner, 0.5 * height)
     boxes = [text_box(own.text, own.place, own.height) for own in numbers]
@@ -213,10 +217,10 @@ def _plan(schedule: LathSchedule, corner: FloatArray) -> Drawing:
     places = names_at_starts(names, paths, height, boxes)
     texts = [Text("LABEL", name, place, height, layer) for name, place, layer in zip(names, places, layers)]
     texts += numbers
-    edges = [mm * edge[:, :2] - corner for edge in schedule.edges]
+    edges = [mm * edge @ across - corner for edge in schedule.edges]
     lines = [*(Line("OUTLINE", edge, True) for edge in edges), *(Line(layer, path) for layer, path in zip(layers, paths))]
     right, top = np.max(np.concatenate(edges), axis=0).tolist()
-    key = key_of_plan(schedule.key, np.array([0.0, top + 4.0 * height]), right, height, "Millimeters")
+    key = key_of_plan(schedule.key, np.array([0.0, top + 4.0 * height]), right, height, "Millimeters", schedule.view)
     return Drawing([*lines, *key[0]], [*texts, *key[1]], (right, top + 8.0 * height), "Millimeters")
 
 
@@ -226,12 +230,12 @@ def _node_numbers(schedule: LathSchedule, origin: FloatArray, height: float) -> 
     places: dict[int, FloatArray] = {}
     normals: dict[int, list[FloatArray]] = {}
     for lath in schedule.laths:
-        path, points = lath.path[:, :2], lath.points[:, :2]
+        path, points = lath.path @ schedule.view[:2].T, lath.points @ schedule.view[:2].T
         tangents = np.gradient(path, axis=0)[cKDTree(path).query(points)[1]]
         for node, place, (x, y) in zip(lath.nodes.tolist(), mm * points - origin, tangents.tolist()):
             places[node] = place
             own = normals.setdefault(node, [])
-            # An upright lath is a point in plan.
+            # A lath along the line of sight is a point.
             if x or y:
                 own.append(np.array([-y, x]) / np.hypot(x, y))
     texts = []

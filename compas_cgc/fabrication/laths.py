@@ -18,6 +18,7 @@ from ..meshing import boundary_loops
 from ..model.given import checked_number
 from .curves import CurveNet
 from .curves.net import NetCurve
+from .front_view import front_view
 from .legend import outside_is_above
 from .materials import Material
 from .materials import material_named
@@ -64,6 +65,7 @@ class LathSchedule(NamedTuple):
     above: Optional[bool]  # whether the outside, to which normals point, is above everywhere (True) or below (False), else None
     key: Key  # unit, north and K of the drawing
     edges: list[FloatArray]  # edges of the surface, closed (k, 3) [L]
+    view: FloatArray  # (3, 3) axes of the plan or elevation: to the right, upwards, and to the viewer
 
 
 def lath_schedule(
@@ -153,9 +155,8 @@ def lath_schedule(
             )
         )
     edges = [net.problem.vertices[loop] for loop in boundary_loops(net.problem.faces)]
-    return LathSchedule(
-        laths, float(width), float(thickness), stuff, unit, float(stock), outside_is_above(own_normals), key_of(net.problem), edges
-    )
+    above, view = outside_is_above(own_normals), front_view(net.problem)
+    return LathSchedule(laths, float(width), float(thickness), stuff, unit, float(stock), above, key_of(net.problem), edges, view)
 
 
 class _Followed(NamedTuple):

@@ -15,6 +15,7 @@ from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
 from .figures import metres
+from .front_view import PLAN
 from .picture_key import Key
 from .picture_key import draw_key
 
@@ -36,7 +37,9 @@ def outside_note(above: Optional[bool]) -> str:
     return f"outside: the side to which the normals of the surface point{where}"
 
 
-def key_of_plan(key: Key, at: FloatArray, width: float, height: float, units: Optional[str]) -> tuple[list[Line], list[Text]]:
+def key_of_plan(
+    key: Key, at: FloatArray, width: float, height: float, units: Optional[str], axes: FloatArray = PLAN
+) -> tuple[list[Line], list[Text]]:
     """Return the key of a plan, 1:1 and in millimetres like all dimensions on it, on the layer LEGEND.
 
     Parameters
@@ -51,8 +54,10 @@ def key_of_plan(key: Key, at: FloatArray, width: float, height: float, units: Op
         Height of the texts [L].
     units
         Units of the lengths L by name.
+    axes
+        ``(3, 3)`` unit vectors to the right, upwards, and to the viewer.
     """
-    marks = draw_key(key._replace(unit="mm"), width, 0.001 / metres(units), height, np.eye(3)).moved(at)
+    marks = draw_key(key._replace(unit="mm"), width, 0.001 / metres(units), height, axes).moved(at)
     texts = [Text("LEGEND", text, place, height, starts=True) for text, place in marks.texts]
     return [Line("LEGEND", line) for line in marks.lines], texts
 

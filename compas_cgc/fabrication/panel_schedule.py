@@ -16,6 +16,7 @@ from ..model.counts import counted
 from ..model.counts import listed
 from ..model.problem import CGCProblem
 from .figures import SHORT
+from .front_view import front_view
 from .mould_report import K_MEANING
 from .mould_report import MouldReport
 from .mould_report import PanelFit
@@ -94,6 +95,7 @@ class PanelSheet(NamedTuple):
     area: float  # [m^2]
     above: bool  # whether the outside, from which it is seen, is above
     used: float  # stress of bending on 95 % of the area, relative to the strength of the material
+    view: FloatArray  # (3, 3) axes of the plan or elevation of the roof: to the right, upwards, and to the viewer
 
     @property
     def remarks(self) -> list[str]:
@@ -116,17 +118,19 @@ def panel_sheets(problem: CGCProblem, report: MouldReport) -> list[PanelSheet]:
     order = np.argsort(key, kind="stable")
     key, sides = key[order], np.where(edges[:, 3:] >= 0, owner[edges[:, 2:]], -1)[order]
     names = [fit.panel.name for fit in report.panels]
-    found = []
+    view, found = front_view(problem), []
     for number, fit in enumerate(report.panels):
         loop = max(boundary_loops(faces[fit.panel.faces]), key=len)
         at = np.searchsorted(key, np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1) @ [n, 1])
         beyond = np.where(sides[at, 0] == number, sides[at, 1], sides[at, 0])
         own = np.unique(faces[fit.panel.faces])
-        found.append(_sheet(report, fit, vertices[loop], vertices[own], np.where(edges[order][at, 3] < 0, -1, beyond), names))
+        found.append(_sheet(report, fit, vertices[loop], vertices[own], np.where(edges[order][at, 3] < 0, -1, beyond), names, view))
     return found
 
 
-def _sheet(report: MouldReport, fit: PanelFit, outline: FloatArray, inside: FloatArray, beyond: IntArray, names: list[str]) -> PanelSheet:
+def _sheet(
+    report: MouldReport, fit: PanelFit, outline: FloatArray, inside: FloatArray, beyond: IntArray, names: list[str], view: FloatArray
+) -> PanelSheet:
     """Return the figures of a panel.
 
     Parameters
@@ -141,6 +145,8 @@ def _sheet(report: MouldReport, fit: PanelFit, outline: FloatArray, inside: Floa
         (k,) number of the panel beyond every side of the outline, -1 for none.
     names
         Names of all panels.
+    view
+        (3, 3) axes of the plan or elevation.
     """
     mm = 1e3 * report.unit
     middle = inside.mean(axis=0)
@@ -173,6 +179,7 @@ def _sheet(report: MouldReport, fit: PanelFit, outline: FloatArray, inside: Floa
         report.unit**2 * float(face_areas(fit.vertices, fit.faces).sum()),
         bool(up[2] > 0.0),
         1e6 * fit.stress_95 / report.material.strength,
+        view,
     )
 
 

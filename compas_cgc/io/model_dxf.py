@@ -1,9 +1,10 @@
-"""DXF files of a model in place, in millimetres, with a legend below it in plan."""
+"""DXF files of a model in place, in millimetres, with a legend below it in its plan or elevation."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from ..fabrication.dxf import new_document
 from ..fabrication.dxf import show_all
 from ..fabrication.picture_key import Key
 from ..fabrication.picture_key import draw_key
+
+if TYPE_CHECKING:
+    from ezdxf.enums import TextEntityAlignment
 
 __all__ = ["FIRST", "GREY", "INK", "SECOND", "ModelDxf"]
 
@@ -29,12 +33,14 @@ class ModelDxf:
     ----------
     height
         Height of the texts of the legend [mm].
+    axes
+        ``(3, 3)`` unit vectors to the right, upwards, and to the viewer who reads the texts.
     """
 
-    def __init__(self, height: float):
+    def __init__(self, height: float, axes: FloatArray):
         self.document = new_document("Millimeters")
         self.space = self.document.modelspace()
-        self.height = height
+        self.height, self.axes = height, axes
         self.points = list[FloatArray]()
 
     def layer(self, name: str, colour: int = INK) -> None:
@@ -52,28 +58,33 @@ class ModelDxf:
         from ezdxf.enums import TextEntityAlignment
 
         self.points.append(place[None])
-        entity = self.space.add_text(words, height=height, dxfattribs={"layer": layer})
-        entity.set_placement(place.tolist(), align=TextEntityAlignment.MIDDLE_CENTER)
+        self._text(words, place, height, layer, TextEntityAlignment.MIDDLE_CENTER)
+
+    def _text(self, words: str, place: FloatArray, height: float, layer: str, align: TextEntityAlignment) -> None:
+        from ezdxf.math import OCS
+
+        front = self.axes[2].tolist()
+        entity = self.space.add_text(words, height=height, dxfattribs={"layer": layer, "extrusion": front})
+        entity.set_placement(OCS(front).from_wcs(place.tolist()), align=align)
 
     def save(self, path: str, notes: Sequence[str], key: Key) -> None:
         """Write the file with a key, its lengths in mm, and a legend as wide as the model, on the layer LEGEND."""
         from ezdxf.enums import TextEntityAlignment
 
         self.layer("LEGEND")
-        every = np.vstack(self.points)
+        every = np.vstack(self.points) @ self.axes.T
         low, high = every.min(axis=0), every.max(axis=0)
         length = max(MIN_LINE, int((high[0] - low[0]) / (LETTER_WIDTH * self.height)))
         rows = [row for note in notes for row in textwrap.wrap(note, length, subsequent_indent="    ")]
         places = low - np.outer(2.0 + KEY_ROWS + np.arange(len(rows)), [0.0, LINE_PITCH * self.height, 0.0])
-        marks = draw_key(key._replace(unit="mm"), float(high[0] - low[0]), 1.0, self.height, np.eye(3))
+        marks = draw_key(key._replace(unit="mm"), float(high[0] - low[0]), 1.0, self.height, self.axes)
         marks = marks.moved(low[:2] - [0.0, 2.0 * LINE_PITCH * self.height])
         for line in marks.lines:
-            self.space.add_polyline3d(np.column_stack([line, np.full(len(line), low[2])]).tolist(), dxfattribs={"layer": "LEGEND"})
-        for words, place in marks.texts:
-            at = (*place.tolist(), low[2])
-            entity = self.space.add_text(words, height=self.height, dxfattribs={"layer": "LEGEND"})
-            entity.set_placement(at, align=TextEntityAlignment.MIDDLE_LEFT)
-        for row, place in zip(rows, places):
-            self.space.add_text(row, height=self.height, dxfattribs={"layer": "LEGEND"}).set_placement(place.tolist())
-        show_all(self.document, np.vstack([low, high, places]))
+            marked = np.column_stack([line, np.full(len(line), low[2])]) @ self.axes
+            self.space.add_polyline3d(marked.tolist(), dxfattribs={"layer": "LEGEND"})
+        for words, at in marks.texts:
+            self._text(words, np.append(at, low[2]) @ self.axes, self.height, "LEGEND", TextEntityAlignment.MIDDLE_LEFT)
+        for row, place in zip(rows, places @ self.axes):
+            self._text(row, place, self.height, "LEGEND", TextEntityAlignment.LEFT)
+        show_all(self.document, np.vstack([*self.points, places @ self.axes]), self.axes)
         self.document.saveas(path)

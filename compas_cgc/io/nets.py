@@ -14,6 +14,7 @@ from ..fabrication.curves import CurveNet
 from ..fabrication.curves import plural
 from ..fabrication.drawing import text_box
 from ..fabrication.dxf import dxf_text
+from ..fabrication.front_view import front_view
 from ..fabrication.lath_files import draw_laths
 from ..fabrication.lath_files import schedule_text
 from ..fabrication.laths import lath_schedule
@@ -79,19 +80,20 @@ def _write_dxf(path: str, net: CurveNet) -> None:
     mm, problem = 1e3 * metres_per_unit(net.problem.drawing.units), net.problem
     lengths = [mm * curve.length for curve in net.curves]
     height = TEXT * float(np.median(lengths))
-    drawing = ModelDxf(height)
+    axes = front_view(problem)
+    drawing = ModelDxf(height, axes)
     for name, colour in (("CURVE_NUMBERS", INK), ("NODE_NUMBERS", GREY), ("EDGES", INK), ("CREASES", INK)):
         drawing.layer(name, colour)
     layers = {}
-    above = mm * net.nodes + [0.0, 0.9 * height, 0.0]
-    boxes = [text_box(str(number), place[:2], 0.6 * height) for number, place in enumerate(above)]
-    places = names_at_starts(net.labels, [mm * curve.points[:, :2] for curve in net.curves], height, boxes)
+    above = mm * net.nodes + 0.9 * height * axes[1]
+    boxes = [text_box(str(number), place, 0.6 * height) for number, place in enumerate(above @ axes[:2].T)]
+    places = names_at_starts(net.labels, [mm * curve.points @ axes[:2].T for curve in net.curves], height, boxes)
     for label, curve, place in zip(net.labels, net.curves, places):
         layer = f"{plural(curve.kind)} {curve.family + 1}".upper().replace(" ", "_")
         layers[layer] = f"{plural(curve.kind)}, family {curve.family}, {'red' if curve.family else 'blue'}"
         drawing.layer(layer, SECOND if curve.family else FIRST)
         drawing.polyline(mm * curve.points, layer)
-        drawing.text(label, np.append(place, mm * curve.points[0, 2]), height, "CURVE_NUMBERS")
+        drawing.text(label, np.append(place, mm * curve.points[0] @ axes[2]) @ axes, height, "CURVE_NUMBERS")
     for number, place in enumerate(above):
         drawing.text(str(number), place, 0.6 * height, "NODE_NUMBERS")
     loops = [np.append(loop, loop[0]) for loop in boundary_loops(problem.faces)]

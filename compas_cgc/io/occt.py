@@ -7,9 +7,9 @@ from typing import Any
 
 from ..errors import FileError
 
-__all__ = ["BSPLINE", "EDGE", "FACE", "opencascade"]
+__all__ = ["BSPLINE", "EDGE", "FACE", "SHELL", "opencascade"]
 
-FACE, EDGE = 4, 6  # types of shapes
+SHELL, FACE, EDGE = 3, 4, 6  # types of shapes
 BSPLINE = 6  # type of the surface of a face
 
 

@@ -12,6 +12,8 @@ from typing import Optional
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
@@ -83,19 +85,34 @@ def trimmed_face(occt: Any, patch: NurbsPatch, curves: list[FloatArray]) -> Any:
 def shell_of(occt: Any, fit: Fit, placed: Callable[[FloatArray], FloatArray]) -> tuple[Any, list[int]]:
     """Return the shell of all faces, which share their edges, and the number of the piece of each of its faces.
 
+    A surface in several parts has one shell for each of them.
+
     Raises
     ------
     MeshError
         If the faces do not make one valid shell.
     """
+    shells, order = [], list[int]()
+    beside = [edge.regions for edge in fit.edges if len(edge.regions) == 2]
+    graph = coo_matrix((np.ones(len(beside)), np.reshape(beside, (-1, 2)).T), shape=(len(fit.pieces), len(fit.pieces)))
+    count, part = connected_components(graph, directed=False)
     try:
         faces = _faces(occt, fit, placed)
-        shell = occt.fix_shell(occt.shell_from_faces(faces))
+        for number in range(count):
+            own = np.flatnonzero(part == number).tolist()
+            shell, numbers = _sewn(occt, [faces[k] for k in own])
+            shells.append(shell)
+            order += [own[k] for k in numbers]
     except RuntimeError as error:
         raise MeshError(f"OpenCASCADE cannot trim and join the surfaces ({error}); refine the mesh, or write .3dm") from None
+    return shells[0] if count == 1 else occt.compound_from_shapes(shells), order
+
+
+def _sewn(occt: Any, faces: list[Any]) -> tuple[Any, list[int]]:
+    """Return the shell of connected faces, and the number of each of its faces, which are copies in another order."""
+    shell = occt.fix_shell(occt.shell_from_faces(faces))
     if not occt.is_valid(shell):
         raise MeshError("OpenCASCADE does not accept the faces as one valid shell; refine the mesh, or write .3dm")
-    # The faces of the shell are copies in another order.
     middles = cKDTree([_middle(occt, face) for face in faces])
     order = middles.query([_middle(occt, face) for face in occt.shape_explore(shell, FACE)])[1].tolist()
     if sorted(order) != list(range(len(faces))):

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._atomic_write import replacing
 from ..fabrication.dxf import dxf_text
+from ..fabrication.front_view import front_view
 from ..fabrication.materials import metres_per_unit
 from ..fabrication.picture_key import key_of
 from ..fabrication.plain_data import build_data
@@ -76,18 +77,19 @@ def _write_dxf(path: str, quads: PlaneQuads) -> None:
     """Write the model in place, with numbers inside the faces."""
     mm = 1e3 * metres_per_unit(quads.problem.drawing.units)
     height, places = TEXT * mm * quads.spacing, mm * quads.vertices
-    drawing = ModelDxf(0.5 * height)
+    axes = front_view(quads.problem)
+    drawing, flat = ModelDxf(0.5 * height, axes), places @ axes.T
     for name, colour in (("FACES", INK), ("BEAMS", FIRST), ("FACE_NUMBERS", INK), ("BEAM_NUMBERS", FIRST), ("NODE_NUMBERS", GREY)):
         drawing.layer(name, colour)
     for k, face in enumerate(quads.faces):
         drawing.polyline(places[face], "FACES", closed=True)
-        label = face_label(f"F{k}", places[face][:, :2], height)
-        drawing.text(label.text, np.append(label.place, places[face][:, 2].mean()), label.height, "FACE_NUMBERS")
-    beams, nodes = labels_in_plan(quads, places[:, :2], 0.6 * height)
-    for label, ends in zip(beams, places[quads.edges]):
-        drawing.polyline(ends, "BEAMS")
-        drawing.text(label.text, np.append(label.place, ends[:, 2].mean()), label.height, "BEAM_NUMBERS")
-    for label, place in zip(nodes, places):
-        drawing.text(label.text, np.append(label.place, place[2]), label.height, "NODE_NUMBERS")
+        label = face_label(f"F{k}", flat[face][:, :2], height)
+        drawing.text(label.text, np.append(label.place, flat[face][:, 2].mean()) @ axes, label.height, "FACE_NUMBERS")
+    beams, nodes = labels_in_plan(quads, flat[:, :2], 0.6 * height)
+    for label, ends in zip(beams, quads.edges):
+        drawing.polyline(places[ends], "BEAMS")
+        drawing.text(label.text, np.append(label.place, flat[ends, 2].mean()) @ axes, label.height, "BEAM_NUMBERS")
+    for label, place in zip(nodes, flat):
+        drawing.text(label.text, np.append(label.place, place[2]) @ axes, label.height, "NODE_NUMBERS")
     notes = ["model in place, 1:1, in mm; FACES: outlines of faces; BEAMS: axes of beams, between nodes at the faces", *quad_notes(quads)]
     drawing.save(path, notes, key_of(quads.problem))

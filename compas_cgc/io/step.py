@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..fabrication.shell.regions import region_surfaces
 from ..model.counts import counted
 from ..model.problem import CGCProblem
+from .occt import SHELL
 from .occt import opencascade
 from .opencascade import MILLIMETRES
 from .opencascade import shell_of
@@ -34,4 +35,6 @@ def step_bytes(problem: CGCProblem) -> tuple[bytes, list[str]]:
     factor = MILLIMETRES.get(problem.drawing.units or "Meters", 1e3)
     shell, order = shell_of(occt, fit, lambda points: factor * fit.scale * points)
     content = step_content(shell, problem.drawing.name or "compas_cgc", [f"region {number}" for number in order], factor * fit.centre)
-    return content, [fit.note(fit.percentiles(), factor, " mm", f"{counted(len(fit.pieces), 'face')} in one shell, ")]
+    shells = len(occt.shape_explore(shell, SHELL))
+    faces = f"{counted(len(fit.pieces), 'face')} in {'one shell' if shells == 1 else f'{shells} shells'}, "
+    return content, [fit.note(fit.percentiles(), factor, " mm", faces)]

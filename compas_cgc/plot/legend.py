@@ -6,10 +6,9 @@ import math
 from typing import TYPE_CHECKING
 from typing import Optional
 
-import numpy as np
-
 from .._figures import matplotlib_module
 from ..discrete.arrays import FloatArray
+from ..fabrication.front_view import PLAN
 from ..fabrication.picture_key import Key
 from ..fabrication.picture_key import draw_key
 from .colours import INK
@@ -21,10 +20,9 @@ from .layout import write
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["FOOT", "PLAN", "SIDE", "add_key", "colour_bar", "per_area"]
+__all__ = ["FOOT", "SIDE", "add_key", "colour_bar", "per_area"]
 
 FOOT = 0.42  # space for a key below a panel with a caption [in]
-PLAN = np.eye(3)  # axes of a view from above
 BELOW = 23.0  # distance of the key from a panel, below its caption [pt]
 CAPITALS = 0.72  # height of capitals relative to the size of the font
 SIDE = 0.85  # space for a colour bar to the right of a panel [in]

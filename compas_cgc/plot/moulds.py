@@ -10,10 +10,10 @@ import numpy as np
 
 from .._figures import matplotlib_module
 from .._figures import new_figure
-from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..errors import names_what_was_meant
+from ..fabrication.front_view import front_view
 from ..fabrication.mould_report import Mould
 from ..fabrication.mould_report import MouldReport
 from ..fabrication.mould_report import PanelFit
@@ -25,7 +25,6 @@ from ..model.problem import PosesProblem
 from .colours import INK
 from .colours import PALETTE
 from .free_texts import LETTER
-from .legend import PLAN
 from .legend import add_key
 
 if TYPE_CHECKING:
@@ -94,7 +93,7 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     kinds = [PALETTE[(fit.mould - 1) % len(PALETTE)] for fit in report.panels]
     _draw_plan(plan, problem, report, colours=kinds)
     plan.set_title("panels, coloured by mould", fontsize=8)
-    add_key(plan, key_of(problem)._replace(words=()), _sheet_of(problem))
+    add_key(plan, key_of(problem)._replace(words=()), front_view(problem))
     _draw_values(figure, lower(0.35), problem, report, [fit.rigid for fit in report.panels], "deviation without bending [mm]")
     text = f"bending stress, {report.thickness:g} mm {report.material.name} [MPa]"
     _draw_values(figure, lower(0.67), problem, report, [fit.stress for fit in report.panels], text)
@@ -117,18 +116,8 @@ def _wrapped(text: str) -> str:
     return "\n".join(lines)
 
 
-def _sheet_of(problem: CGCProblem) -> FloatArray:
-    """Return unit vectors to the right, upwards and to the viewer for a view from above, or of an upright surface from in front (3, 3)."""
-    V, F = problem.vertices, problem.faces
-    up = (face_areas(V, F)[:, None] * face_normals(V, F)).sum(axis=0)
-    if abs(up[2]) >= 0.5 * np.linalg.norm(up):
-        return PLAN
-    front = np.array([up[0], up[1], 0.0]) / np.hypot(up[0], up[1])
-    return np.array([np.cross([0.0, 0.0, 1.0], front), [0.0, 0.0, 1.0], front])
-
-
 def _draw_plan(ax: Axes, problem: CGCProblem, report: MouldReport, colours: list) -> None:
-    axes = _sheet_of(problem)[:2]
+    axes = front_view(problem)[:2]
     collections, outlines = matplotlib_module("collections"), []
     triangles, fill = [], []
     for fit, colour in zip(report.panels, colours):

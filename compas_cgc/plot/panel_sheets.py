@@ -17,6 +17,8 @@ from .._figures import matplotlib_module
 from .._figures import new_figure
 from .._figures import save_pages
 from ..discrete.arrays import FloatArray
+from ..fabrication.front_view import seen_from
+from ..fabrication.front_view import view_name
 from ..fabrication.mould_report import K_MEANING
 from ..fabrication.panel_schedule import PanelSheet
 from ..fabrication.panel_schedule import panel_totals
@@ -80,7 +82,7 @@ def _pages(sheets: list[PanelSheet], title: str, north: Plan) -> Iterator[Figure
     for first in range(0, len(sheets), ROWS):
         page = sheets[first : first + ROWS]
         yield _schedule(page, f"{title} panels {first + 1} to {first + len(page)} of {len(sheets)}", panel_totals(sheets))
-    yield _plan(sheets, f"{title} plan of {len(sheets)} panels", north)
+    yield _plan(sheets, f"{title} {view_name(sheets[0].view)} of {len(sheets)} panels", north)
     for own in sheets:
         yield panel_figure(own, title, sheets, north)
 
@@ -110,12 +112,12 @@ def _plan(sheets: list[PanelSheet], title: str, north: Plan) -> Figure:
     """Return the plan with the names of all panels, each with a dot at corner 1."""
     figure = new_figure(*PAGE)
     figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
-    figure.text(0.05, 0.93, "seen from above, x to the right and y up; dots: corner 1 of the panels", fontsize=7, color=INK)
+    figure.text(0.05, 0.93, f"{seen_from(sheets[0].view)}; dots: corner 1 of the panels", fontsize=7, color=INK)
     axes = _plan_axes(figure, sheets, (0.04, 0.08, 0.92, 0.82), "0.2")
-    add_key(axes, Key("mm", north, _curvatures(sheets)))
+    add_key(axes, Key("mm", north, _curvatures(sheets)), sheets[0].view)
     scale = points_per_length(axes)
     for own in sheets:
-        plan = own.corners[:, :2]
+        plan = _flat(own)
         middle, name = plan.mean(axis=0), own.fit.panel.name
         room = scale * own.size[1] / (TEXT_WIDTH * len(name))
         axes.text(*middle, name, fontsize=min(8.0, room), color=INK, ha="center", va="center")
@@ -124,14 +126,19 @@ def _plan(sheets: list[PanelSheet], title: str, north: Plan) -> Figure:
 
 
 def _plan_axes(figure: Figure, sheets: Sequence[PanelSheet], place: tuple[float, float, float, float], color: str) -> Any:
-    """Draw the outlines of all panels from above into a part of a figure, x to the right, and return its axes."""
+    """Draw the outlines of all panels in their plan or elevation into a part of a figure, and return its axes."""
     axes: Any = figure.add_axes(place)
     axes.set_aspect("equal")
     axes.axis("off")
     # One line with gaps is drawn much faster than many polygons.
-    paths = [np.vstack([own.corners[:, :2], own.corners[:1, :2], np.full((1, 2), np.nan)]) for own in sheets]
+    paths = [np.vstack([_flat(own), _flat(own)[:1], np.full((1, 2), np.nan)]) for own in sheets]
     axes.plot(*np.concatenate(paths).T, color=color, linewidth=0.4)
     return axes
+
+
+def _flat(own: PanelSheet) -> FloatArray:
+    """Return the corners of a panel in the plan or elevation of the roof (k, 2) [mm]."""
+    return own.corners @ own.view[:2].T
 
 
 def _curvatures(sheets: Sequence[PanelSheet]) -> tuple[str, ...]:
@@ -207,10 +214,11 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
     _draw_outline(axes, own, outline, float(room.min()))
     if sheets:
         plan = _plan_axes(figure, sheets, KEY, "0.7")
-        plan.fill(*own.corners[:, :2].T, facecolor="0.4", edgecolor=INK, linewidth=0.4)
-        plan.plot(*own.corners[0, :2], marker="o", markersize=2.5, color=INK)
-        add_key(plan, Key("mm", north), size=6.0)
-        figure.text(KEY[0] + 0.5 * KEY[2], KEY[1] - 0.015, "place in plan, from above; dot: corner 1", fontsize=6, color=INK, ha="center")
+        plan.fill(*_flat(own).T, facecolor="0.4", edgecolor=INK, linewidth=0.4)
+        plan.plot(*_flat(own)[0], marker="o", markersize=2.5, color=INK)
+        add_key(plan, Key("mm", north), own.view, size=6.0)
+        where = f"place in {view_name(own.view)}; dot: corner 1"
+        figure.text(KEY[0] + 0.5 * KEY[2], KEY[1] - 0.015, where, fontsize=6, color=INK, ha="center")
     axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
     add_key(axes, Key("mm", None), below=8.0)

@@ -54,6 +54,17 @@ def test_level_lines_lie_on_the_level_and_closed_ones_end_where_they_begin():
     assert len(circle) == 13 and np.array_equal(circle[0], circle[-1])
 
 
+def test_sections_of_a_surface_in_two_parts_cross_it():
+    """The middle of both lies between them."""
+    whole = roof()
+    count = len(whole.vertices)
+    vertices = np.concatenate([whole.vertices, 0.5 * whole.vertices + [20.0, 0.0, 0.0]])
+    parts = CGCProblem(vertices, np.concatenate([whole.faces, whole.faces + count])).with_targets(0.0)
+    cuts = dict(draw_views(parts).cuts)
+    assert sorted(cuts) == ["A", "B"] and np.ptp(cuts["B"][:, 1]) == pytest.approx(DEPTH)
+    assert [name for name, _ in draw_views(whole).cuts] == ["A", "B"]
+
+
 @pytest.mark.parametrize("units, scale", [("Meters", 1.0), ("Millimeters", 1000.0), ("Feet", 1 / 0.3048)])
 def test_lengths_on_the_sheet_are_those_of_the_roof_at_the_scale(units, scale):
     drawn = draw_views(roof(units, scale), 100, sections=[np.array([0, 0, 0, 1]) * scale])

@@ -83,6 +83,20 @@ def test_regions_of_a_plane_through_its_centre_keep_their_names(tmp_path):
     assert areas == pytest.approx([own[name] for name in names]) and sorted(areas) == pytest.approx([12e6, 24e6])
 
 
+def test_a_roof_in_two_parts_is_two_valid_shells(tmp_path):
+    first = compas_cgc.CGCMesh.from_meshgrid(dx=6.0, nx=12)
+    vertices, faces = first.arrays()[:2]
+    both = np.concatenate([vertices, 0.5 * vertices + [8.0, 1.0, 0.0]])
+    roof = compas_cgc.CGCMesh.from_vertices_and_faces(both.tolist(), np.concatenate([faces, faces + len(vertices)]).tolist())
+    roof.set_supports("boundary")
+    roof.set_target(0.02)
+    result = compas_cgc.solve(roof)
+    (note,) = compas_cgc.write(tmp_path / "parts.step", result)
+    shape = shell_of(tmp_path / "parts.step")
+    assert note.startswith("2 faces in 2 shells, ") and len(occt.shape_explore(shape, SHELL)) == 2 and occt.is_valid(shape)
+    assert occt.area(shape) == pytest.approx(1e6 * face_areas(result.problem.vertices, result.problem.faces).sum(), rel=5e-3)
+
+
 def test_surfaces_that_opencascade_refuses_do_not_cost_the_mesh(facade, tmp_path, monkeypatch, capsys):
     def refuse(*_):
         raise RuntimeError("BRep_API: command not done")

@@ -10,6 +10,7 @@ from typing import Optional
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...errors import CGCError
 from ...errors import names_what_was_meant
@@ -232,9 +233,7 @@ def _interval(shape: Shape, given: Optional[float]) -> float:
 
 
 def _cuts(shape: Shape, sections: Optional[Sequence[Sequence[float]]]) -> list[Cut]:
-    middle = 0.5 * (shape.low + shape.high)[:2]
-    through_middle = [np.concatenate([middle, middle + way]) for way in np.eye(2)]
-    given = through_middle if sections is None else [np.asarray(own, float) for own in sections]
+    given = [_through_middle(shape, way) for way in np.eye(2)] if sections is None else [np.asarray(own, float) for own in sections]
     if len(given) > 26:
         raise CGCError(f"a sheet holds at most 26 sections, not {len(given)}")
     cuts = []
@@ -245,6 +244,17 @@ def _cuts(shape: Shape, sections: Optional[Sequence[Sequence[float]]]) -> list[C
             raise CGCError(f"the line of section {cut.letter} does not cross the surface; give points in plan within its outline")
         cuts.append(cut)
     return cuts
+
+
+def _through_middle(shape: Shape, along: FloatArray) -> FloatArray:
+    """Return a line (4,) in plan through the middle of a surface; where this lies between parts or in a court, through its median."""
+    middle = 0.5 * (shape.low + shape.high)[:2]
+    if not _cut_lines(shape, Cut("", middle, along)):
+        centres = shape.vertices[shape.faces].mean(axis=1)
+        order = np.argsort(centres[:, :2] @ [-along[1], along[0]], kind="stable")
+        sums = face_areas(shape.vertices, shape.faces)[order].cumsum()
+        middle = centres[order[np.searchsorted(sums, 0.5 * sums[-1])], :2]
+    return np.concatenate([middle, middle + along])
 
 
 def _sizes(shape: Shape, cuts: Sequence[Cut], north: FloatArray) -> FloatArray:
