@@ -220,11 +220,14 @@ def _plane(own: _Layout, spacing: float) -> Polygons:
     """Return plane polygons without short sides at the rim."""
     polygons = merged(own.polygons, SHORTEST * spacing)
     while True:
-        count, points = len(polygons.vertices), planarised(polygons, *own.fine, own.loops)
+        count, points = len(polygons.vertices), planarised(polygons, *own.fine, own.loops, around=False)
         # Corners slide towards kinks of held rims, where the curvature is unbounded.
         polygons = merged(polygons._replace(vertices=points), SHORTEST * spacing)
         if len(polygons.vertices) == count:
-            return polygons
+            break
+    if gaps(polygons.vertices, polygons.faces).max() <= FLATNESS * spacing:
+        return polygons
+    return polygons._replace(vertices=planarised(polygons, *own.fine, own.loops))
 
 
 def _density_of_squares(vertices: Vertices, faces: Faces, operators: FloatArray, region: int) -> tuple[FloatArray, float]:

@@ -38,7 +38,7 @@ def gaps(points: Vectors, polygons: list[list[int]]) -> FloatArray:
     return found
 
 
-def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntArray]) -> Vectors:
+def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntArray], around: bool = True) -> Vectors:
     """Return corners (k, 3) [L] near a surface for which polygons are plane.
 
     Gauss-Newton steps on the distances between diagonals, from tangent planes of the surface and from the rim, and on changes of the
@@ -52,6 +52,8 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
         The surface.
     rims
         Closed paths of vertices along its rims.
+    around
+        Whether polygons with three corners in line are held in planes, too; this moves others where corners are still to be merged.
 
     References
     ----------
@@ -60,7 +62,7 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
     """
     n, start = len(own.vertices), own.vertices
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    quadruples = _quadruples(own.faces)[0]
+    quadruples = _quadruples(own.faces, around)[0]
     edges = polygon_edges(own.faces)
     degree = np.bincount(edges.ravel(), minlength=n)
     graph = sparse.coo_matrix((np.ones(2 * len(edges)), (edges.T.ravel(), edges[:, ::-1].T.ravel())), shape=(n, n)).tocsr()
@@ -96,15 +98,15 @@ def _aims(
     return off, blocks
 
 
-def _quadruples(polygons: list[list[int]]) -> tuple[IntArray, IntArray]:
+def _quadruples(polygons: list[list[int]], around: bool = True) -> tuple[IntArray, IntArray]:
     """Return four consecutive corners (q, 4) whose planes make polygons plane, and the polygon of each (q,).
 
-    Polygons with more corners have as many quadruples as corners: three corners in line share a plane with any fourth one.
+    Three corners in line share a plane with any fourth one, so that polygons of five and more corners need all quadruples around them.
     """
     found = [
         ([own[(k + j) % len(own)] for j in range(4)], f)
         for f, own in enumerate(polygons)
-        for k in range(len(own) if len(own) > 4 else len(own) - 3)
+        for k in range(len(own) if around and len(own) > 4 else len(own) - 3)
     ]
     return np.array([each[0] for each in found], dtype=np.int64).reshape(-1, 4), np.array([each[1] for each in found], dtype=np.int64)
 
