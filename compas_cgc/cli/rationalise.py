@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import Optional
 from typing import Union
 
@@ -20,10 +21,12 @@ from ..errors import FileError
 from .console import bar
 from .console import interruptible
 from .console import printer
+from .elsewhere import save_elsewhere
 from .exits import DONE
 from .exits import INCOMPLETE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
+from .exits import REFUSED
 from .exits import ROUGH
 
 if TYPE_CHECKING:
@@ -139,21 +142,24 @@ def run(arguments: argparse.Namespace) -> int:
     echo(found.summary)
     incomplete: Optional[PartlyPublished] = None
     lines: list[str] = []
+    interrupted = found.cancelled
     try:
-        _write(arguments, found, lines)
+        interrupted |= _write(arguments, found, lines)
     except PartlyPublished as error:
         incomplete = error
+    except FileError as error:
+        print(f"compas-cgc: {error}", file=sys.stderr)
+        save_elsewhere(Path(arguments.output).name, lambda path: _write_surface(path, arguments, found))
+        return REFUSED
     for text in lines:
         echo(text)
-    code = _code(found)
+    code = INTERRUPTED if interrupted else _code(found)
     if incomplete is not None:
         print(f"compas-cgc: {incomplete}", file=sys.stderr)
     return INCOMPLETE if incomplete is not None and code in (DONE, ROUGH) else code
 
 
 def _code(found: Rationalised) -> int:
-    if found.cancelled:
-        return INTERRUPTED
     if not found.kept:
         return NOT_CONVERGED
     return DONE if found.result.verdict is None or found.result.verdict.fair else ROUGH
@@ -212,8 +218,8 @@ def length(text: str, units: Union[str, None], name: str) -> float:
     return value * SUFFIXES[suffix] / METRES.get(units or "Meters", 1.0)
 
 
-def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str]) -> None:
-    """Write the surface, the report and the sweep, and add notes on them to `lines`.
+def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str]) -> bool:
+    """Write the surface, the report and the sweep, add notes on them to `lines`, and return whether the sweep was interrupted.
 
     Raises
     ------
@@ -221,34 +227,49 @@ def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str])
         If the report or the sweep cannot be written; the surface is.
     """
     from .._atomic_write import write_text
-    from .._version import __version__
-    from ..io import write
 
-    output = Path(arguments.output)
-    record = {"version": __version__, "input": Path(arguments.input).name, **found.to_dict()}
+    output, interrupted = Path(arguments.output), False
     with published_together():
-        if output.suffix.lower() == ".3dm":
-            from ..io.rhino.panel_layers import PanelClasses
-            from ..io.rhino.panel_layers import write_panels
-
-            source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
-            classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
-            texts = {"compas_cgc.rationalised": json.dumps(record)}
-            notes = write_panels(output, found.result, classes, texts, source, arguments.nurbs)
-        else:
-            notes = write(output, found.result)
+        notes = _write_surface(output, arguments, found)
         lines += [*(f"{output}: {note}" for note in notes), f"wrote {output}"]
         if arguments.report:
             from ..fabrication.shell.fit import AccuracyNote
 
-            record = {**record, "files": notes, "surfaces": [own.figures for own in notes if isinstance(own, AccuracyNote)]}
+            record = {
+                **_record(arguments, found),
+                "files": notes,
+                "surfaces": [own.figures for own in notes if isinstance(own, AccuracyNote)],
+            }
             with further_outputs():
                 write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
                 lines.append(f"wrote {arguments.report}")
         if arguments.sweep is not None and not found.cancelled:
             with further_outputs():
                 swept = _sweep(arguments, found.design)
+                interrupted = swept.results[-1].cancelled
                 lines += [str(swept), *(f"wrote {path}" for path in _write_sweep(output, swept))]
+    return interrupted
+
+
+def _write_surface(path: Path, arguments: argparse.Namespace, found: Rationalised) -> list[str]:
+    """Write the surface, with its panels to a .3dm file, and return notes on smooth surfaces."""
+    from ..io import write
+
+    if path.suffix.lower() != ".3dm":
+        return write(path, found.result)
+    from ..io.rhino.panel_layers import PanelClasses
+    from ..io.rhino.panel_layers import write_panels
+
+    source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
+    classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
+    texts = {"compas_cgc.rationalised": json.dumps(_record(arguments, found))}
+    return write_panels(path, found.result, classes, texts, source, arguments.nurbs)
+
+
+def _record(arguments: argparse.Namespace, found: Rationalised) -> dict[str, Any]:
+    from .._version import __version__
+
+    return {"version": __version__, "input": Path(arguments.input).name, **found.to_dict()}
 
 
 def _sweep(arguments: argparse.Namespace, design: Design) -> Sweep:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +15,6 @@ from typing import cast
 from .._atomic_write import PartlyPublished
 from .._atomic_write import further_outputs
 from .._atomic_write import published_together
-from ..errors import CGCError
 from ..errors import FileError
 from ..errors import MeshError
 from ..io.formats import FORMATS
@@ -32,6 +30,7 @@ from .console import Parts
 from .console import ProgressBar
 from .console import interruptible
 from .console import printer
+from .elsewhere import save_elsewhere
 from .exits import DONE
 from .exits import INCOMPLETE
 from .exits import INTERRUPTED
@@ -283,7 +282,7 @@ def _mesh_file(output: Path) -> Path:
 
 
 def _save_elsewhere(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, error: FileError) -> int:
-    """Save a surface that cannot be written to its place in the folder for temporary files, so that the solve is not lost."""
+    """Save a surface that cannot be written to its place, and return the exit code."""
     from ..io import write
 
     print(f"compas-cgc: {error}", file=sys.stderr)
@@ -291,10 +290,5 @@ def _save_elsewhere(arguments: argparse.Namespace, result: SolveResult, analysis
         return NOT_CONVERGED
     output = Path(arguments.output)
     output = output if result.converged else _named(_mesh_file(output), result)
-    try:
-        saved = Path(tempfile.mkdtemp(prefix="compas_cgc-")) / output.name
-        write(saved, result, source=arguments.input, analysis=analysis)
-        print(f"compas-cgc: saved the surface to {saved} instead", file=sys.stderr)
-    except (CGCError, OSError) as second:
-        print(f"compas-cgc: the surface cannot be saved elsewhere either ({second})", file=sys.stderr)
+    save_elsewhere(output.name, lambda path: write(path, result, source=arguments.input, analysis=analysis))
     return REFUSED

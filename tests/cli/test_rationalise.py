@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+import types
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from compas_cgc import read
+from compas_cgc.cli import rationalise as cli_rationalise
 from compas_cgc.cli.exits import INCOMPLETE
+from compas_cgc.cli.exits import INTERRUPTED
+from compas_cgc.cli.exits import REFUSED
 from compas_cgc.cli.main import main
 from compas_cgc.cli.rationalise import length
 from compas_cgc.errors import CGCError
@@ -130,3 +135,27 @@ def test_an_output_that_cannot_be_written_does_not_lose_the_surface(design, tmp_
     assert main([*command, "--report", str(tmp_path / "panels.json")]) == INCOMPLETE
     assert f"{failing} is a folder" in capsys.readouterr().err
     assert out.exists() and (out.with_suffix(".csv").read_text() == "old") == (failing == "panels.png")
+
+
+def test_a_surface_that_cannot_be_written_is_saved_elsewhere(design, tmp_path, capsys, monkeypatch):
+    (tmp_path / "full.obj").mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    command = ["rationalise", str(design), "-o", str(tmp_path / "full.obj"), "--panel", "2", "--edges", "4", "--moulds", "2", "-q"]
+    assert main([*command, "--report", str(tmp_path / "r.json")]) == REFUSED
+    message = capsys.readouterr().err
+    assert "is a folder" in message and "saved the surface to" in message and not (tmp_path / "r.json").exists()
+    assert [path.name for path in tmp_path.glob("compas_cgc-*/*")] == ["full.obj"]
+
+
+def test_an_interrupted_sweep_is_written_as_far_as_it_came_and_has_an_exit_code(design, tmp_path, monkeypatch):
+    real = cli_rationalise._sweep
+
+    def interrupted(arguments, given):
+        monkeypatch.setattr(cli_rationalise, "interruptible", lambda: nullcontext(types.SimpleNamespace(is_set=lambda: True)))
+        return real(arguments, given)
+
+    monkeypatch.setattr(cli_rationalise, "_sweep", interrupted)
+    out = tmp_path / "panels.obj"
+    command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--sweep", "1", "2", "-q"]
+    assert main(command) == INTERRUPTED
+    assert out.exists() and len(out.with_suffix(".csv").read_text().splitlines()) == 2 and out.with_suffix(".png").exists()

@@ -312,7 +312,7 @@ def test_the_time_of_a_job_is_bounded(tmp_path):
     with running_server(tmp_path / "jobs.sqlite", workers=1, limits={"seconds": 0.5}) as server:
         id = submit(server, endless())[1]["id"]
         wait_for(lambda: server.client.poll(id)["state"] == "failed")
-        assert "0.5 seconds" in server.client.poll(id)["message"]
+        assert "exceeded the time limit of 0.5 s" in server.client.poll(id)["message"]
 
 
 # ----------------------------------------------------------------------
