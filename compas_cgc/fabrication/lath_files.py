@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
+from ..model.counts import counted
 from .drawing import LETTER_WIDTH
 from .drawing import Drawing
 from .drawing import Line
@@ -28,6 +29,7 @@ __all__ = ["draw_laths", "schedule_text"]
 ROW = 2.0  # distance of strips in the drawing, relative to their width
 PLAN_GAP = 10.0  # distance of the plan from the strips, relative to their width
 NAME_HEIGHT = 0.3  # of the number of a lath on its strip, relative to its width
+TITLE_HEIGHT = 0.6  # of the title above the strips, relative to their width
 NODE_ROOM = 0.8  # length of the text of a node on a strip, relative to its width
 PLAN_TEXT = 0.012  # height of the numbers of laths in the plan, relative to its size
 MEANINGS = {
@@ -175,11 +177,8 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
         for splice in lath.splices:
             lines.append(Line("MARK", np.array([[mm * splice, low], [mm * splice, low + width]])))
         texts.append(_name(f"L{lath.number}", mm * np.r_[0.0, lath.stations, length / mm], free, width))
-    title = (
-        f"{len(schedule.laths)} laths of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}, drawn 1:1; all lengths in mm; "
-        "the lower edge lies inside; the face towards the viewer is the right one"
-    )
-    texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), 0.25 * width))
+    title = f"{counted(len(schedule.laths), 'lath')} of {width:g} x {schedule.thickness:g} mm, {schedule.material.name}, drawn 1:1"
+    texts.append(Text("SHEET", title, np.array([0.5 * right, 2.0 * width]), TITLE_HEIGHT * width))
     low = mm * np.min([(edge @ schedule.view[:2].T).min(axis=0) for edge in schedule.edges], axis=0)
     plan = _plan(schedule, low)
     # The upper ends of strips and plan are level, below the legend, and the lower one of these ends at 0.
@@ -188,7 +187,9 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
     strips = Drawing(lines, texts, (right, top), "Millimeters").moved([0.0, top - 2.5 * width])
     plan = plan.moved([across + PLAN_GAP * width, top - plan.size[1]])
     corner = f"; its lower left corner lies at x = {low[0]:.1f}, y = {low[1]:.1f} of the model" if is_plan(schedule.view) else ""
-    notes = [*_notes(schedule), f"the {view_name(schedule.view)} at the right is {seen_from(schedule.view)}{corner}"]
+    whole = sum(lath.length for lath in schedule.laths) * schedule.unit
+    about = f"strips: all lengths in mm; the lower edge lies inside; the face towards the viewer is the right one; {whole:.1f} m in all"
+    notes = [about, *_notes(schedule), f"the {view_name(schedule.view)} at the right is {seen_from(schedule.view)}{corner}"]
     both = strips._replace(lines=[*strips.lines, *plan.lines], texts=[*strips.texts, *plan.texts])
     drawing = with_legend(both, MEANINGS, notes, 0.3 * width, across)
     return drawing._replace(size=(across + PLAN_GAP * width + plan.size[0], drawing.size[1]))

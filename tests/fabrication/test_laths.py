@@ -142,11 +142,13 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     write_net(tmp_path / "net.laths.dxf", net, width=100.0, thickness=10.0)
     document = ezdxf.readfile(tmp_path / "net.laths.dxf")
     assert document.header["$INSUNITS"] == 4
-    (title,) = [text.dxf.text for text in document.modelspace().query('TEXT[layer=="SHEET"]')]
-    assert f"{len(net.curves)} laths of 100 x 10 mm, timber, drawn 1:1; all lengths in mm" in title
+    (title,) = document.modelspace().query('TEXT[layer=="SHEET"]')
+    assert title.dxf.text == f"{len(net.curves)} laths of 100 x 10 mm, timber, drawn 1:1" and title.dxf.height == pytest.approx(60.0)
     legend = {text.dxf.text.split(":")[0] for text in document.modelspace().query('TEXT[layer=="LEGEND"]')}
     assert {item.dxf.layer for item in document.modelspace()} - {"LEGEND"} <= legend
     text = " ".join(entity.dxf.text for entity in document.modelspace().query('TEXT[layer=="LEGEND"]'))
+    whole = sum(lath.length for lath in lath_schedule(net).laths)
+    assert f"the lower edge lies inside; the face towards the viewer is the right one; {whole:.1f} m in all" in text
     away = {lath.number: np.minimum(lath.stations, lath.length - lath.stations) for lath in lath_schedule(net).laths}
     cut_short = [f"L{number} at node" for number, own in away.items() if (own < 0.1).any()]
     assert all(name in text for name in cut_short) and ("closer than the width to an end" in text) == bool(cut_short)
