@@ -24,7 +24,17 @@ from typing import Union
 from .errors import CGCError
 from .errors import FileError
 
-__all__ = ["PartlyPublished", "further_outputs", "is_full", "published_together", "recover", "replacing", "unwritable", "write_text"]
+__all__ = [
+    "PartlyPublished",
+    "end_process",
+    "further_outputs",
+    "is_full",
+    "published_together",
+    "recover",
+    "replacing",
+    "unwritable",
+    "write_text",
+]
 
 # The umask can only be read by setting it, which is not safe when threads write files.
 _UMASK = os.umask(0)
@@ -98,6 +108,13 @@ class _Outputs:
 
 
 _outputs: ContextVar[Optional[_Outputs]] = ContextVar("_outputs", default=None)
+_endings: list[SystemExit] = []  # exceptions of signals that end this process
+
+
+def end_process(code: int) -> None:
+    """Raise SystemExit; if a library turns it into another error, as imports of extension modules do, nothing is published any more."""
+    _endings.append(SystemExit(code))
+    raise _endings[-1]
 
 
 @contextmanager
@@ -122,6 +139,8 @@ def published_together() -> Iterator[None]:
     token = _outputs.set(outputs)
     try:
         yield
+        if _endings:
+            raise _endings[-1]
     except BaseException:
         outputs.discard()
         raise

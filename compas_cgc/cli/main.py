@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Optional
 
 from .._atomic_write import PartlyPublished
+from .._atomic_write import end_process
 from .._atomic_write import is_full
 from .._atomic_write import unwritable
 from .._version import __version__
@@ -144,7 +145,7 @@ def _end_cleanly_on_signals() -> None:
     """Let the signals that end a process do so as an exception, so that no temporary file is left."""
 
     def end(number: int, frame: object) -> None:
-        raise SystemExit(128 + number)
+        end_process(128 + number)
 
     if threading.current_thread() is threading.main_thread():
         for name in ("SIGTERM", "SIGHUP"):

@@ -268,6 +268,22 @@ def test_a_signal_leaves_no_temporary_file(tmp_path):
     process.stdout.close()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="it ends by signal")
+def test_a_signal_whose_exception_a_library_swallows_publishes_nothing(tmp_path):
+    code = (
+        "import importlib, os, signal, sys; from compas_cgc._atomic_write import *; from compas_cgc.errors import FileError\n"
+        "main = importlib.import_module('compas_cgc.cli.main'); main._end_cleanly_on_signals()\n"
+        "with published_together():\n"
+        "    write_text(sys.argv[1], 'new')\n"
+        "    with further_outputs():\n"
+        "        try: signal.raise_signal(signal.SIGTERM)\n"
+        "        except SystemExit: raise FileError('drawing requires a library')\n"
+    )
+    (tmp_path / "a.txt").write_text("old")
+    assert subprocess.run([sys.executable, "-c", code, str(tmp_path / "a.txt")]).returncode == 143
+    assert (tmp_path / "a.txt").read_text() == "old" and left(tmp_path) == []
+
+
 @pytest.mark.parametrize("cause", [SystemExit(143), KeyboardInterrupt()])
 def test_a_signal_in_a_compiled_function_ends_the_command_like_any_other(plan, monkeypatch, cause):
     def check(arguments):
