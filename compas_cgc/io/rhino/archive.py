@@ -26,7 +26,7 @@ __all__ = ["Item", "box_around", "list_items", "read_archive", "rhino3dm_module"
 
 _MAGIC = b"3D Geometry File Format "
 
-# Trial in a child process: a damaged length can exhaust the memory, take minutes or crash the process.
+# Trial in a child process: a damaged length, or number of dimensions of a curve, can exhaust the memory, take minutes or crash the process.
 _TRIAL = """
 import signal
 import sys
@@ -38,7 +38,11 @@ try:
 except (ImportError, OSError, ValueError):
     pass
 import rhino3dm
-sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
+archive = rhino3dm.File3dm.Read(sys.argv[1])
+for entry in () if archive is None else archive.Objects:
+    if entry.Geometry is not None:
+        entry.Geometry.GetBoundingBox()
+sys.exit(0 if archive is not None else 3)
 """
 
 

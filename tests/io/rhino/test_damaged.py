@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import struct
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+import rhino3dm
 
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
@@ -105,6 +107,19 @@ def test_a_trial_that_has_used_its_processor_time_is_ended(whole, tmp_path, monk
     monkeypatch.setattr(archive, "_TRIAL", archive._TRIAL.replace("import rhino3dm", "while True: pass"))
     monkeypatch.setattr(archive, "TRIAL_SECONDS", 0.2)
     monkeypatch.setattr(archive, "TRIAL_PATIENCE", 1000.0)
+    with pytest.raises(FileError, match="is damaged; open it in Rhino"):
+        read_archive(path)
+
+
+def test_a_damaged_dimension_of_a_curve_takes_no_gigabytes(tmp_path):
+    model = rhino3dm.File3dm()
+    model.Objects.AddCurve(rhino3dm.PolylineCurve([rhino3dm.Point3d(k, k % 2, 0) for k in range(5)]))
+    path = tmp_path / "curve.3dm"
+    model.Write(str(path), 7)
+    parameters = struct.pack("<5d", *range(5))
+    content = path.read_bytes()
+    assert content.count(parameters + struct.pack("<i", 3)) == 1
+    path.write_bytes(content.replace(parameters + struct.pack("<i", 3), parameters + struct.pack("<i", 900_000_000)))
     with pytest.raises(FileError, match="is damaged; open it in Rhino"):
         read_archive(path)
 
