@@ -207,6 +207,8 @@ def _of_mesh(design: Any) -> GivenDesign:
 def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: Optional[float], limit: float = np.inf) -> Design:
     """Return the smooth surface through a mesh, within a tolerance, by default one up to a limit."""
     faces = triangles_of(vertices, polygons)[0]
+    if not len(faces):
+        raise MeshError("the design has no faces; give a surface")
     used = np.unique(faces)
     size = float(np.linalg.norm(np.ptp(vertices[used], axis=0)))
     if not float(face_areas(vertices, faces).sum()) > EPS * size**2:

@@ -11,6 +11,7 @@ import compas_cgc
 from compas_cgc.cli import main
 from compas_cgc.discrete.space_form import space_form_angle_sums
 from compas_cgc.errors import CGCError
+from compas_cgc.errors import MeshError
 from compas_cgc.model.problem import Drawing
 from compas_cgc.rationalisation import Rationalised
 from compas_cgc.rationalisation import design as design_module
@@ -314,3 +315,9 @@ def test_of_several_numbers_of_level_lines_the_fair_surface_nearest_to_the_desig
 def test_panels_between_level_lines_are_not_locked():
     with pytest.raises(CGCError, match="cannot be locked; give the seams as curves"):
         compas_cgc.rationalise(DESIGN, seams="levels", moulds=[9.0], locked={0: 0})
+
+
+@pytest.mark.parametrize("faces", [[], [[0, 0, 1]]])
+def test_a_design_without_faces_is_refused_in_a_sentence(faces):
+    with pytest.raises(MeshError, match="the design has no faces; give a surface"):
+        read_design(([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], faces))
