@@ -6,6 +6,7 @@ import threading
 from typing import Callable
 from typing import Optional
 
+from ...execution.future import TaskStopped
 from ...execution.future import start
 from ...execution.future import wait_for
 from ...execution.protocol import AnyExecutor
@@ -15,6 +16,8 @@ from ..limits import Limits
 from .shares import Shares
 
 __all__ = ["Calls"]
+
+STOPPING = "the server is shutting down; try again after it has restarted"
 
 
 class Calls:
@@ -104,11 +107,15 @@ class Calls:
         try:
             with self._lock:
                 if self._closed:
-                    raise ServerStopping("the server is shutting down; try again after it has restarted")
+                    raise ServerStopping(STOPPING)
                 name = f"{client} {alike}"
                 started = [start(executor, function, args, None, seconds, urgent=True, client=client, memory_limit=memory, alike=name)]
             # Drop the reference to the task: its error refers to this frame, and the cycle would keep the arguments in memory.
             return wait_for(started.pop(), self.limits.blocking, disconnected)
+        except TaskStopped:
+            if self._closed:
+                raise ServerStopping(STOPPING) from None
+            raise
         finally:
             slots.release(client)
 

@@ -9,6 +9,7 @@ import signal
 import socket
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import numpy as np
@@ -92,6 +93,15 @@ def test_a_client_that_hangs_up_frees_the_worker_for_the_next(one_worker):
     request.hang_up()
     assert one_worker.ask("POST", "/solve", hops_body("dome"))[0] == 200
     assert health() == {**health(), "busy": 0, "idle": 1, "waiting": 0, "replaced": workers}, "stopped without force"
+
+
+def test_a_call_that_the_end_of_the_server_breaks_off_may_be_tried_again(tmp_path):
+    with ThreadPoolExecutor(1) as others:
+        with running_server(tmp_path / "jobs.sqlite", workers=1) as server:
+            answer = others.submit(server.ask, "POST", "/solve", endless_hops())
+            wait_for(lambda: server.client.health()["busy"] == 1)
+        status, _, content = answer.result(PATIENCE)
+    assert status == 503 and "try again after it has restarted" in json.loads(content)["message"]
 
 
 def test_a_client_that_hangs_up_while_it_waits_its_turn_is_not_served(one_worker):
