@@ -1,4 +1,4 @@
-"""Surfaces that cannot be written to their places."""
+"""Surfaces that are not written to their places: those of unfinished searches, and those that cannot be."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ from pathlib import Path
 
 from ..errors import CGCError
 
-__all__ = ["save_elsewhere"]
+__all__ = ["save_elsewhere", "unfinished"]
+
+
+def unfinished(path: Path) -> Path:
+    """Return the path of an output of an unfinished search, which has a name of its own, so that it does not mix with others."""
+    return path.with_name(f"{path.stem}.unfinished{path.suffix}")
 
 
 def save_elsewhere(name: str, write: Callable[[Path], object]) -> None:

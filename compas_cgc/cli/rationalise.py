@@ -22,6 +22,7 @@ from .console import bar
 from .console import interruptible
 from .console import printer
 from .elsewhere import save_elsewhere
+from .elsewhere import unfinished
 from .exits import DONE
 from .exits import INCOMPLETE
 from .exits import INTERRUPTED
@@ -149,7 +150,7 @@ def run(arguments: argparse.Namespace) -> int:
         incomplete = error
     except FileError as error:
         print(f"compas-cgc: {error}", file=sys.stderr)
-        save_elsewhere(Path(arguments.output).name, lambda path: _write_surface(path, arguments, found))
+        save_elsewhere(_named(arguments.output, found).name, lambda path: _write_surface(path, arguments, found))
         return REFUSED
     for text in lines:
         echo(text)
@@ -228,7 +229,7 @@ def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str])
     """
     from .._atomic_write import write_text
 
-    output, interrupted = Path(arguments.output), False
+    output, interrupted = _named(arguments.output, found), False
     with published_together():
         notes = _write_surface(output, arguments, found)
         lines += [*(f"{output}: {note}" for note in notes), f"wrote {output}"]
@@ -241,14 +242,20 @@ def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str])
                 "surfaces": [own.figures for own in notes if isinstance(own, AccuracyNote)],
             }
             with further_outputs():
-                write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
-                lines.append(f"wrote {arguments.report}")
+                report = _named(arguments.report, found)
+                write_text(report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+                lines.append(f"wrote {report}")
         if arguments.sweep is not None and not found.cancelled:
             with further_outputs():
                 swept = _sweep(arguments, found.design)
                 interrupted = swept.results[-1].cancelled
                 lines += [str(swept), *(f"wrote {path}" for path in _write_sweep(output, swept))]
     return interrupted
+
+
+def _named(path: str, found: Rationalised) -> Path:
+    """Return the path of an output, with a name of its own if the search was interrupted."""
+    return unfinished(Path(path)) if found.cancelled else Path(path)
 
 
 def _write_surface(path: Path, arguments: argparse.Namespace, found: Rationalised) -> list[str]:

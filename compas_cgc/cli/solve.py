@@ -31,6 +31,7 @@ from .console import ProgressBar
 from .console import interruptible
 from .console import printer
 from .elsewhere import save_elsewhere
+from .elsewhere import unfinished
 from .exits import DONE
 from .exits import INCOMPLETE
 from .exits import INTERRUPTED
@@ -273,7 +274,7 @@ def _write_surface(
 
 def _named(path: Path, result: SolveResult) -> Path:
     """Return the path of an output, with a name of its own if the solve is unfinished, so that no output mixes with those of another."""
-    return path if result.converged else path.with_name(f"{path.stem}.unfinished{path.suffix}")
+    return path if result.converged else unfinished(path)
 
 
 def _mesh_file(output: Path) -> Path:

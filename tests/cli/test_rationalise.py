@@ -159,3 +159,14 @@ def test_an_interrupted_sweep_is_written_as_far_as_it_came_and_has_an_exit_code(
     command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--sweep", "1", "2", "-q"]
     assert main(command) == INTERRUPTED
     assert out.exists() and len(out.with_suffix(".csv").read_text().splitlines()) == 2 and out.with_suffix(".png").exists()
+
+
+def test_an_interrupted_search_leaves_earlier_outputs_alone(design, tmp_path, monkeypatch):
+    monkeypatch.setattr(cli_rationalise, "interruptible", lambda: nullcontext(types.SimpleNamespace(is_set=lambda: True)))
+    for name in ("panels.obj", "panels.json", "panels.csv", "panels.png"):
+        (tmp_path / name).write_text("old")
+    out = tmp_path / "panels.obj"
+    command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--sweep", "1", "-q"]
+    assert main([*command, "--report", str(tmp_path / "panels.json")]) == INTERRUPTED
+    assert {path.read_text() for path in tmp_path.glob("panels.???*") if "unfinished" not in path.name} == {"old"}
+    assert sorted(path.name for path in tmp_path.glob("*.unfinished.*")) == ["panels.unfinished.json", "panels.unfinished.obj"]
