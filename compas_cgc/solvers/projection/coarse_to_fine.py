@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
@@ -15,30 +14,21 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
 from ...discrete.space_form import exact_equations
-from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
 from ...model.verdict import verdict
 from ..coarse import Coarse
 from ..coarse import coarsened
 from ..coarse import laid_out_anew
-from .closing import Closing
-from .exact import closing_equations
-from .exact import exactly
-from .exact import may_slide
-from .gauss_newton import FINISH
 from .gauss_newton import Taken
-from .gauss_newton import descend
 from .iterate import Point
 from .measure import renewed
-from .measure import shows_layout
-from .settings import AUTO
 from .settings import ProjectionSettings
 from .sliding import can_slide
 from .smooth_shape import DRAWN
 from .smooth_shape import smooth_shape
 from .strategies import PATIENT
 from .strategies import ways
-from .strategies import ways_on
+from .strategies import ways_from_near
 from .system import KeptDrawing
 from .system import System
 
@@ -51,11 +41,8 @@ DETOUR = 100  # vertices that may move, from which an irregular mesh takes many 
 PART = 50  # or one for so many of the finer, where that is more
 OFF = 1.0  # residual of a shape carried over, against the curvature asked for, of one that is none
 LARGE = 20_000  # vertices that may move, from which there is no other way
-SHORT = 1.0  # part of a step across the surface below which that way does not lead there
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
 LEVEL = 1e-24  # squared distances from a plane, against those along it, that are none
-MEMORY = 3  # steps in which residuals may grow, of a large mesh: where K < 0 the last sway before they converge
-ALMOST = 1e-5  # residual, against the curvature asked for, of a shape that has not strayed
 MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 
 
@@ -81,50 +68,33 @@ def ways_from_coarse(
     settings
         Parameters.
     """
-    here: Optional[Point] = None
-    last: Optional[Taken] = None
-    asked, count = exact_equations(equations, settings.measure), len(problem.vertices)
-    # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
     many, irregular = len(system.columns) >= MANY, _is_detour(system, equations, settings)
+    # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
     if system.keep != "shape" and irregular and settings.measure not in EXACT and len(system.columns) < LARGE:
+        last: Optional[Taken] = None
         for last in _from_even(problem, system, equations, settings):
             yield last._replace(settled=False)
         # The plain way may be gone as well, and lead to a surface that is fair where this one is not.
         if last is not None and last.settled and _is_fair(problem, last.vertices):
             yield last
     elif system.keep != "shape" and (many or irregular):
+        count = len(problem.vertices)
         coarse = _coarsened(problem) if count >= MANY else laid_out_anew(problem, min(COARSE, max(FEWEST, count)))
-        found = None if coarse is None else _solved(coarse.problem, _on_coarser(settings, system))
-        if coarse is not None and found is not None:
-            here = system.at(system.settled(coarse.carried(found.vertices, anew=True)), equations)
+        found = None if coarse is None else _carried(coarse, _on_coarser(settings, system))
+        if found is not None:
+            here = system.at(system.settled(found.vertices), equations)
             yield Taken(here.vertices, 1.0, 1, False)
-            if found.solved and (irregular or system.missing(here, equations) <= OFF):
-                for last in _from(system, equations, here, settings):
-                    yield last
-                    here = system.at(last.vertices, last.equations or asked)
-                if len(system.columns) >= LARGE or _is_met(system, equations, here, settings):
-                    return
-            elif len(system.columns) >= LARGE:
-                # What does not end on a coarser mesh would take its time not to end on this one.
-                return
+            if found.solved and system.missing(here, equations) <= OFF:
+                for taken in ways_from_near(system, equations, here, settings):
+                    yield taken
+                    asked = taken.equations or exact_equations(equations, settings.measure)
+                    here = system.at(taken.vertices, asked)
+                    if here.fulfils(0.0, ROUNDINGS * system.rounding(here, asked)):
+                        return
+        if len(system.columns) >= LARGE and found is not None:
+            # What does not end on a coarser mesh would take its time not to end on this one.
+            return
     yield from ways(system, equations, start, settings, False)
-
-
-def _from_even(problem: CGCProblem, system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> Iterator[Taken]:
-    """Take steps from the fairest shape on even triangles to the nearest that is smooth, and on to the nearest that is exact.
-
-    Exact at once, it would have waves for what the meshes differ by.
-    """
-    count = min(COARSE, max(FEWEST, len(problem.vertices) // 2))
-    even = laid_out_anew(problem, count)
-    found = None if even is None else _solved(even.problem, replace(_on_coarser(settings, system), retry=False))
-    if even is None or found is None or not (found.solved and _is_fair(even.problem, found.vertices)):
-        return
-    near = system.on(system.settled(even.carried(found.vertices, anew=True)), system.faces)
-    start = near.places.start
-    yield Taken(start, 1.0, 1, False)
-    vertices = yield from smooth_shape(near, equations, start, rounds=PATIENT, beside=DRAWN)
-    yield from renewed(near, equations, vertices)
 
 
 def kept_on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optional[KeptDrawing]:
@@ -176,69 +146,25 @@ def _is_detour(system: System, equations: CurvatureEquations, settings: Projecti
     return not is_regular(system.faces, np.isin(np.arange(len(system.places.start)), system.rows))
 
 
-def _from(system: System, equations: CurvatureEquations, carried: Point, settings: ProjectionSettings) -> Iterator[Taken]:
-    """Take the nearest way to the equations that there is: across the surface or, where that is not enough, in all directions."""
-    if not system.places.trivial:
-        carried = yield from ways_on(system, equations, carried)
-    near = Closing(system, carried.vertices) if system.places.trivial else system
-    if settings.measure == "smooth" or (settings.measure == AUTO and shows_layout(system, equations, carried.vertices)):
-        last = None
-        for taken in renewed(near, equations, carried.vertices):
-            last = taken
-            yield taken
-        if last is not None and last.equations is not None:
-            here = system.at(last.vertices, last.equations)
-            if _is_met(system, equations, here, settings) or settings.measure == "smooth":
-                return
-    if settings.measure in EXACT and may_slide(system, equations, settings.measure, carried.vertices):
-        # What is carried over is smooth; angle defects would only put waves into it.
-        yield from exactly(system, equations, settings.measure, carried.vertices)
+def _from_even(problem: CGCProblem, system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> Iterator[Taken]:
+    """Take steps from the fairest shape on even triangles to the nearest that is smooth, and on to the nearest that is exact.
+
+    Exact at once, it would have waves for what the meshes differ by.
+    """
+    even = laid_out_anew(problem, min(COARSE, max(FEWEST, len(problem.vertices) // 2)))
+    found = None if even is None else _solved(even.problem, replace(_on_coarser(settings, system), retry=False))
+    if even is None or found is None or not (found.solved and _is_fair(even.problem, found.vertices)):
         return
-    exact = closing_equations(equations, settings.measure, carried.vertices)
-    asked = equations if exact is None else exact
-    here = start = system.at(carried.vertices, asked)
-    if system.places.trivial:
-        here = yield from _to_rounding(near, asked, start, settings, SHORT)
-    if _is_met(system, asked, here, settings):
-        return
-    # The last digits are met from where moves across leave off, as that is as fair; what is farther away has strayed.
-    rest = here if system.missing(here, asked) <= ALMOST else start
-    if exact is None:
-        yield from _to_rounding(system, equations, rest, settings)
-    else:
-        yield from exactly(system, equations, settings.measure, rest.vertices)
+    near = system.on(system.settled(even.carried(found.vertices, anew=True)), system.faces)
+    yield Taken(near.places.start, 1.0, 1, False)
+    vertices = yield from smooth_shape(near, equations, near.places.start, rounds=PATIENT, beside=DRAWN)
+    yield from renewed(near, equations, vertices)
 
 
-def _is_met(system: System, equations: CurvatureEquations, point: Point, settings: ProjectionSettings) -> bool:
-    return point.fulfils(_goal(equations, system, settings), ROUNDINGS * system.rounding(point, equations))
-
-
-def _goal(equations: CurvatureEquations, system: System, settings: ProjectionSettings) -> float:
-    return settings.tolerance * float(np.abs(equations.targets[system.rows]).max(initial=0.0))
-
-
-def _to_rounding(
-    system: System, equations: CurvatureEquations, here: Point, settings: ProjectionSettings, short: float = 0.0
-) -> Generator[Taken, None, Point]:
-    """Take steps until one brings the residuals to what rounding the coordinates leaves of them, or one is too short."""
-    goal = _goal(equations, system, settings)
-    memory = MEMORY if len(system.columns) >= LARGE else 1
-    for taken in _descended(system, equations, here, memory):
-        there = system.at(taken.vertices, equations)
-        if taken.length < short and not there.fulfils(goal, ROUNDINGS * system.rounding(there, equations)):
-            break
-        here = there
-        yield taken
-        if here.fulfils(goal, system.rounding(here, equations)):
-            break
-    return here
-
-
-def _descended(system: System, equations: CurvatureEquations, here: Point, memory: int) -> Iterator[Taken]:
-    try:
-        yield from descend(system, equations, here, patience=FINISH, memory=memory)
-    except SingularMatrixError:
-        return
+def _carried(coarse: Coarse, settings: ProjectionSettings) -> _Found:
+    """Return the fairest shape of a coarser mesh, carried over."""
+    found = _solved(coarse.problem, settings)
+    return found._replace(vertices=coarse.carried(found.vertices, anew=True))
 
 
 def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
@@ -247,10 +173,7 @@ def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
     equations = system.equations(problem.targets)
     here = best = system.at(problem.vertices, equations)
     goal = MET * problem.target_scale
-    steps = ways(system, equations, here, settings, False)
-    if len(system.columns) >= MANY:
-        steps = ways_from_coarse(problem, system, equations, here, settings)
-    for count, taken in enumerate(steps):
+    for count, taken in enumerate(ways_from_coarse(problem, system, equations, here, settings)):
         here = system.at(taken.vertices, taken.equations or equations)
         best = min(best, here, key=lambda point: point.badness)
         if taken.settled and here.fulfils(goal, system.floor):

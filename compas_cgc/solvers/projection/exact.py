@@ -12,6 +12,7 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...meshing.even_triangles import even_triangles
+from .closing import closed_across
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
 from .measure import shows_layout
@@ -60,8 +61,10 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
         for steps in tried:
             if (yield from steps):
                 return
-    for taken in descend_over_saddles(system, exact, system.at(vertices, exact)):
-        yield taken._replace(equations=exact)
+    for steps_in in (closed_across, descend_over_saddles):
+        for taken in steps_in(system, exact, system.at(vertices, exact)):
+            yield taken._replace(equations=exact)
+            vertices = taken.vertices
 
 
 def _on_even_triangles(system: System, equations: CurvatureEquations, measure: str, fair: Vertices) -> _Search:

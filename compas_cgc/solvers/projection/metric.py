@@ -16,7 +16,7 @@ from ...discrete.arrays import IntArray
 from ...linalg import LinearSolver
 from ...linalg import factorise
 
-__all__ = ["Metric", "MetricAcross", "bending_matrix", "slope_jumps"]
+__all__ = ["Metric", "bending_matrix", "slope_jumps"]
 
 WIDE = 0.15  # width of a sheet that bends as easily as a crease of stiffness 1/2 folds, against the distance of creases and edge
 SLENDER = 1e-3  # a hinge between faces smaller than this part of the mean counts as if they were larger
@@ -165,11 +165,7 @@ class Metric:
 
     def heights(self, gradient: FloatArray) -> FloatArray:
         """Return the heights (c,) of the move for a gradient (3c,) where all directions are free."""
-        return self.solved_heights(gradient.reshape(-1, 3) @ self.axes[2])
-
-    def solved_heights(self, gradient: FloatArray) -> FloatArray:
-        """Return the heights (c,) for a gradient by them (c,), as if they alone could move."""
-        return self._of_height.solve(gradient)
+        return self._of_height.solve(gradient.reshape(-1, 3) @ self.axes[2])
 
     def times(self, move: FloatArray) -> FloatArray:
         """Return W times a move (q,)."""
@@ -200,28 +196,6 @@ class Metric:
         along = [_total([axis[x] * coordinates[x] for x in range(3)]) for axis in self.axes]
         weights = (self.plan, self.plan, self.height)
         return _total([part.T @ weight @ part for part, weight in zip(along, weights)])
-
-
-class MetricAcross(Metric):
-    """The cost of moves along one direction per vertex, solved as if they were heights: factors of these are there already.
-
-    Parameters
-    ----------
-    metric
-        The metric where all directions are free.
-    directions
-        ``(c, 3)`` unit vectors.
-    """
-
-    def __init__(self, metric: Metric, directions: FloatArray):
-        c = len(directions)
-        basis = sparse.csr_matrix((directions.ravel(), np.repeat(np.arange(c), 3), np.arange(3 * c + 1)), shape=(3 * c, c))
-        super().__init__(metric.plan, metric.height, metric.axes, metric.points[::3], basis)
-        self._of_all = metric
-
-    def solve(self, gradient: FloatArray) -> FloatArray:
-        """Return the move (c,) along the directions for a gradient (c,) by it."""
-        return self._of_all.solved_heights(gradient)
 
 
 def _total(matrices: list[sparse.csr_matrix]) -> sparse.csr_matrix:

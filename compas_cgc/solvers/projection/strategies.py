@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Generator
 from collections.abc import Iterator
 from itertools import chain
@@ -13,10 +14,9 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
 from ...model.verdict import verdict
-from .across import Across
-from .across import can_be_closed_across
 from .at_rest import brought_to_rest
 from .at_rest import rests
+from .closing import closed_across
 from .exact import exactly
 from .exact import may_slide
 from .gauss_newton import FINISH
@@ -43,7 +43,7 @@ from .system import System
 from .trust_region import SETTLED
 from .trust_region import refine
 
-__all__ = ["PATIENT", "ways", "ways_on"]
+__all__ = ["PATIENT", "ways", "ways_from_near"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
@@ -55,6 +55,7 @@ EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is 
 MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
 PATIENT, HELD = 4, 8  # steps for each weight of K on the way to a smooth shape, and where K < 0 is held all round
 
+_Smoothing = Callable[[System, CurvatureEquations, Reached], Iterator[Taken]]
 _Search = Generator[Taken, None, Optional[Reached]]
 
 
@@ -102,20 +103,40 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         reached = rested
     elif rests(system, equations):
         reached = yield from refine(system, equations, reached)
+    yield from _finished(system, equations, reached, settings, smoothed, rested)
+
+
+def ways_from_near(system: System, equations: CurvatureEquations, near: Point, settings: ProjectionSettings) -> Iterator[Taken]:
+    """Take the nearest way to the equations from a smooth shape, which moves no farther than that takes."""
+    reached = Reached(near, np.zeros(len(system.leading)))
+    if not system.places.trivial:
+        reached = yield from refine(system, equations, (yield from _closed(system, equations, reached)))
+    yield from _finished(system, equations, reached, settings, lambda *own: renewed(own[0], own[1], own[2].point.vertices))
+
+
+def _finished(
+    system: System,
+    equations: CurvatureEquations,
+    reached: Reached,
+    settings: ProjectionSettings,
+    smoothing: _Smoothing,
+    rested: Optional[Reached] = None,
+) -> Iterator[Taken]:
+    """Take steps from a shape that is fair to the last digits of K in the measure that is asked for."""
     if settings.measure == "smooth":
-        yield from smoothed(system, equations, reached)
+        yield from smoothing(system, equations, reached)
     elif settings.measure == AUTO:
         if shows_layout(system, equations, reached.point.vertices):
-            yield from smoothed(system, equations, reached)
+            yield from smoothing(system, equations, reached)
         # Where it does not come to rest in that measure either.
         yield from _told(rested)
-        point = yield from _closed_across(system, equations, reached.point)
+        point = yield from closed_across(system, equations, reached.point)
         yield from descend(system, equations, point, patience=FINISH)
     elif settings.measure in EXACT:
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
         yield from _told(rested)
-        point = yield from _closed_across(system, equations, reached.point)
+        point = yield from closed_across(system, equations, reached.point)
         yield from descend_over_saddles(system, equations, point)
 
 
@@ -158,16 +179,6 @@ def _told(rested: Optional[Reached]) -> Iterator[Taken]:
         yield Taken(rested.point.vertices, 1.0, 1)
 
 
-def _closed_across(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:
-    """Take steps across a shape to the last digits of K, where moves that do so are tiny; return where they lead."""
-    here = near
-    if can_be_closed_across(system, equations, near):
-        for taken in descend(Across(system, near.vertices), equations, near, patience=FINISH):
-            here = system.at(taken.vertices, equations)
-            yield taken
-    return here
-
-
 def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -> bool:
     """Return whether steps by angle defects would wrinkle a start, as on irregular meshes where K̄ <= 0."""
     if not _is_told_by_fits(system, equations) or not (equations.targets[system.rows] <= 0.0).any():
@@ -188,13 +199,6 @@ def _says_which_developable(system: System, equations: CurvatureEquations, drawn
         return False
     away = drawn.vertices - system.fairness.relaxed()
     return bool(np.abs(away[system.columns]).max(initial=0.0) > MEANT * system.size)
-
-
-def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:
-    """Take steps from a shape near the fairest one to it."""
-    reached = yield from _closed(system, equations, Reached(near, np.zeros(len(system.leading))))
-    reached = yield from refine(system, equations, reached)
-    return reached.point
 
 
 def _fairest(system: System, equations: CurvatureEquations, tried: Iterator[Point]) -> _Search:

@@ -317,7 +317,9 @@ class System:
         sparse = LeastNorm(J, metric, across, preconditioner, common)
         return Linearised(Bordered(sparse, dense) if len(dense) else sparse, onto, right)
 
-    def step(self, point: Point, equations: CurvatureEquations, tolerance: float, kept: Optional[Kept]) -> tuple[FloatArray, Kept]:
+    def step(
+        self, point: Point, equations: CurvatureEquations, tolerance: float, kept: Optional[Kept]
+    ) -> tuple[FloatArray, Optional[Kept]]:
         """Return the least-norm step (n, 3), and what to keep for the next one."""
         linear = self.linearised(point, equations, kept)
         found = linear.solver.cheapest(linear.right, tolerance, EPS)

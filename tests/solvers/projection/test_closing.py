@@ -7,15 +7,17 @@ import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc import ProjectionSettings
+from compas_cgc import Rise
 from compas_cgc import solve
 from compas_cgc.discrete import vertex_normals
 from compas_cgc.linalg import SingularMatrixError
-from compas_cgc.solvers.projection.across import Across
-from compas_cgc.solvers.projection.across import along
-from compas_cgc.solvers.projection.across import can_be_closed_across
+from compas_cgc.solvers.projection.closing import Closing
+from compas_cgc.solvers.projection.closing import along
+from compas_cgc.solvers.projection.closing import is_bound_by_k_alone
 from compas_cgc.solvers.projection.gauss_newton import descend
 from compas_cgc.solvers.projection.optimality import optimality
 from compas_cgc.solvers.projection.projector import Projector
+from compas_cgc.solvers.projection.strategies import ways_from_near
 from compas_cgc.solvers.projection.system import System
 
 WIDTH = 6.0
@@ -43,8 +45,8 @@ def solved(K, supports, off):
 @pytest.mark.parametrize("K, supports", [(0.02, "corners"), (0.02, "boundary"), (-0.02, "corners")])
 def test_moves_across_bring_k_to_rounding_in_three_steps_of_next_to_no_length(K, supports):
     system, equations, near = solved(K, supports, 1e-7)
-    assert can_be_closed_across(system, equations, near)
-    ways = list(descend(Across(system, near.vertices), equations, near))[:3]
+    assert is_bound_by_k_alone(system, equations)
+    ways = list(descend(Closing(system, near.vertices), equations, near))[:3]
     assert system.missing(system.at(ways[-1].vertices, equations), equations) < 1e-11
     moves = ways[-1].vertices - near.vertices
     assert np.abs(moves).max() < 1e-4 * system.size
@@ -61,9 +63,16 @@ def test_derivatives_across_are_those_along_the_normals():
     np.testing.assert_allclose(along(normals, J) @ heights, J @ (heights[:, None] * normals).ravel(), atol=1e-12)
 
 
-def test_a_shape_that_is_far_from_its_curvature_is_not_closed_across():
+def test_from_farther_away_other_moves_go_on_where_those_across_have_to_be_shortened():
     system, equations, near = solved(0.02, "corners", 1e-2)
-    assert not can_be_closed_across(system, equations, near)
+    *_, last = ways_from_near(system, equations, near, ProjectionSettings(measure="defect"))
+    assert system.missing(system.at(last.vertices, equations), equations) < 1e-11
+
+
+def test_where_more_than_k_is_asked_for_nothing_is_closed_across():
+    projector = Projector(roof(0.02).to_problem().with_goals([Rise(0.5)]))
+    system = projector._system
+    assert not is_bound_by_k_alone(system, system.equations(projector.posed().targets))
 
 
 def test_a_tolerance_says_how_far_a_surface_comes_to_rest():
