@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import replace
 from typing import NamedTuple
@@ -25,8 +26,12 @@ from ...errors import names_what_was_meant
 from ...errors import use_method
 from ...linalg.work import is_spent
 from ...linalg.work import until_spent
+from ...model.constraints import Constraint
+from ...model.constraints import Height
 from ...model.frame import Frame
 from ...model.goals.contradictions import refuse_impossible
+from ...model.goals.inequalities import Bound
+from ...model.goals.wholes import Whole
 from ...model.laws import Law
 from ...model.measures import MID_EDGE
 from ...model.problem import CGCProblem
@@ -70,6 +75,9 @@ WAVES = 0.2  # length against the square root of the area: shorter waves of a dr
 EPS = float(np.finfo(float).eps)
 
 
+TURNED_OVER = (
+    "it lies on the other side of its supports than drawn, where its goals are met; with less curvature it may meet them on the drawn side"
+)
 OTHER_GOALS = "the method bending moves vertices along fixed directions, which cannot meet all of these goals"
 
 
@@ -241,10 +249,13 @@ def _least_energy(
         Branch(to_model(lagrangian.vertices(end.state.unknowns)), end.state.energy, judged(end).fair, twin if twin != k else None)
         for k, (end, twin) in enumerate(zip(found, first))
     )
+    said = [_message(best.status, len(recorder), errors, branches)]
+    if best.arrived and _is_turned_over(lagrangian, best.state, problem.goals):
+        said.append(TURNED_OVER)
     return Solution(
         to_model(lagrangian.vertices(best.state.unknowns)),
         best.status,
-        _message(best.status, len(recorder), errors, branches),
+        joined(said),
         len(recorder),
         recorder.seconds,
         max(error for _, error in errors),
@@ -253,6 +264,13 @@ def _least_energy(
         verdict=judged(best) if found else None,
         branches=branches,
     )
+
+
+def _is_turned_over(lagrangian: Lagrangian, state: State, goals: Sequence[Constraint]) -> bool:
+    """Return whether limits alone, which say nothing of a side, made a dome hang below its supports, or a bowl rise above them."""
+    if not any(isinstance(goal, Bound) for goal in goals) or any(isinstance(goal, (Whole, Height)) for goal in goals):
+        return False
+    return bool((lagrangian.types > 0.0).all()) and lagrangian.side * lagrangian.volume(state.unknowns, state.operators.areas) < 0.0
 
 
 def plates(problem: CGCProblem) -> list[FloatArray]:

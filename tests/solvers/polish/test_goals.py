@@ -113,6 +113,13 @@ def test_a_side_that_is_not_reached_changes_nothing():
     assert np.abs(plain.vertices - free.vertices).max() < 1e-12
 
 
+def test_a_limit_that_turns_a_dome_over_says_so():
+    hanging, pressed, asked = (solved(roof(10, K), goal) for K, goal in ((0.0089, Below(3.0)), (0.0089, Below(4.5)), (0.006, Rise(-6.5))))
+    assert hanging.vertices[:, 2].max() < 1e-9 and "other side of its supports than drawn" in hanging.message
+    assert pressed.vertices[:, 2].min() > -1e-9 and "other side" not in pressed.message
+    assert asked.vertices[:, 2].min() == pytest.approx(-6.5) and "other side" not in asked.message
+
+
 def test_other_laws_meet_goals_too():
     result = solve(roof(), laws=ConstantMeanCurvature(0.05), goals=[Below(2.8), Height([7], 0.9)])
     assert result.converged and result.verdict.fair and result.max_error < 1e-12
