@@ -149,7 +149,7 @@ def _description() -> dict:
                             "name": "options",
                             "in": "query",
                             "schema": {"type": "string"},
-                            "description": "for files: the other fields of a request as JSON",
+                            "description": "for files: the other fields of a request as JSON; edge_length [L] meshes curves and surfaces",
                         },
                     ],
                     "requestBody": {

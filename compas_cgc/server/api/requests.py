@@ -122,7 +122,7 @@ def _problem_of(value: dict, limits: Limits) -> CGCProblem:
 
 
 def _read_file(kind: str, options: dict, body: bytes, limits: Limits, result: bool = False) -> SolveRequest:
-    read = read_upload(kind, body, result)
+    read = read_upload(kind, body, result, options.get("edge_length"))
     problem = read.checked()
     check_size(len(problem.vertices), len(problem.faces), limits)
     return solve_request(problem, options, limits, read.notes)

@@ -15,6 +15,7 @@ from .builds import SOLVE
 from .builds import TASK_NAMES
 from .builds import check_build
 from .builds import is_build
+from .decoding import number
 from .decoding import read_json
 from .mesh_files import KINDS
 from .options import OPTIONS
@@ -29,7 +30,7 @@ __all__ = ["FILE_OPTIONS", "Submission", "file_submission", "json_submission", "
 OF_A_SOLVE = ("method", "live", "last")
 OF_A_DESIGN = ("name", "unit", "id")
 LONGEST_NAME = 100  # characters
-FILE_OPTIONS = ("task", *OPTIONS)
+FILE_OPTIONS = ("task", "edge_length", *OPTIONS)
 
 
 class Submission(NamedTuple):
@@ -101,6 +102,9 @@ def file_submission(kind: str, size: int, text: str, limits: Limits) -> Submissi
     options: Any = read_json(text.encode("utf-8", "surrogatepass"), limits)
     if not isinstance(options, dict) or set(options) - set(FILE_OPTIONS):
         raise Unprocessable(f"'options' must be a JSON object with fields from {', '.join(FILE_OPTIONS)}")
+    length = options.get("edge_length")
+    if length is not None and not number(length, "'edge_length'") > 0:
+        raise Unprocessable(f"'edge_length' must be greater than zero, not {length:g}")
     task = _task_of(options)
     if kind not in KINDS and not _takes_designs(task):
         raise Unprocessable(f"the task {task} takes files of the kinds {' and '.join(KINDS)}, not {kind}")

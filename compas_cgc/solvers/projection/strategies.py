@@ -111,7 +111,7 @@ def ways_from_near(system: System, equations: CurvatureEquations, near: Point, s
     reached = Reached(near, np.zeros(len(system.leading)))
     if not system.places.trivial:
         reached = yield from refine(system, equations, (yield from _closed(system, equations, reached)))
-    yield from _finished(system, equations, reached, settings, lambda *own: renewed(own[0], own[1], own[2].point.vertices))
+    yield from _finished(system, equations, reached, settings, _renewed)
 
 
 def _finished(
@@ -171,6 +171,11 @@ def _smooth_first(
     beside, rounds = DRAWN if settings.nearness >= 1.0 else LOOSE, HELD if held else PATIENT
     vertices = yield from smooth_shape(system, equations, vertices, rounds=rounds, beside=beside, smoothed_normals=held)
     yield from renewed(system, equations, vertices)
+
+
+def _renewed(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
+    """Take steps to the nearest surface in the smooth measure."""
+    return renewed(system, equations, reached.point.vertices)
 
 
 def _told(rested: Optional[Reached]) -> Iterator[Taken]:

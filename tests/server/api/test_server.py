@@ -25,6 +25,7 @@ from compas_cgc.client import Refused
 from compas_cgc.server import Limits
 from compas_cgc.server.api.openapi import description
 
+from ...support.rhino_models import Sketch
 from ...support.rhino_models import dots_of
 from ...support.rhino_models import result_of
 from ...support.server_process import KEY
@@ -123,6 +124,22 @@ def test_a_compas_mesh_and_files_are_taken(server, tmp_path):
     first, second = (server.client.result(id) for id in jobs)
     assert first["creases"] and first["roles"].count("fixed") == 4 == second["roles"].count("fixed")
     assert np.allclose(np.ptp(first["vertices"], axis=0), np.ptp(second["vertices"], axis=0))
+
+
+def test_outlines_and_surfaces_of_files_are_meshed_with_an_edge_length(server, tmp_path):
+    sketch = Sketch()
+    sketch.curve(np.array([[0, 0, 0], [6, 0, 0], [6, 4, 0], [0, 4, 0], [0, 0, 0]], float))
+    content = sketch.save(tmp_path / "outline.3dm").read_bytes()
+    id = server.client.submit_file(content, "3dm", edge_length=1.0, supports="corners", targets=0.01)
+    assert finished(server, id)["state"] == "succeeded"
+    found = server.client.result(id)
+    assert 30 < len(found["vertices"]) < 60 and np.allclose(np.ptp(found["vertices"], axis=0)[:2], [6, 4])
+    assert found["roles"].count("fixed") == 4 and max(row[2] for row in found["vertices"]) > 0.1
+    for length, part in ((0, "greater than zero"), ("fine", "must be a number")):
+        with pytest.raises(Refused, match=part):
+            server.client.submit_file(content, "3dm", edge_length=length)
+    far_too_fine = finished(server, server.client.submit_file(content, "3dm", edge_length=1e-7, supports="corners", targets=0.01))
+    assert far_too_fine["state"] == "failed" and "use a longer edge" in far_too_fine["message"]
 
 
 def test_packed_arrays_are_lists_in_fewer_bytes(server):
