@@ -173,7 +173,11 @@ def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
     equations = system.equations(problem.targets)
     here = best = system.at(problem.vertices, equations)
     goal = MET * problem.target_scale
-    for count, taken in enumerate(ways_from_coarse(problem, system, equations, here, settings)):
+    steps = ways(system, equations, here, settings, False)
+    if len(system.columns) >= MANY:
+        # Even triangles are not always regular ones: a mesh that is not large has no coarser one.
+        steps = ways_from_coarse(problem, system, equations, here, settings)
+    for count, taken in enumerate(steps):
         here = system.at(taken.vertices, taken.equations or equations)
         best = min(best, here, key=lambda point: point.badness)
         if taken.settled and here.fulfils(goal, system.floor):
