@@ -8,7 +8,7 @@ import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import SingularMatrixError
-from .found_curvature import FoundCurvature
+from .closing import is_bound_by_k_alone
 from .gauss_newton import FULFILLED
 from .optimality import Optimality
 from .optimality import optimality
@@ -26,8 +26,7 @@ STEPS = 16  # with one matrix
 
 def rests(system: System, equations: CurvatureEquations) -> bool:
     """Return whether shapes are few enough unknowns, bound by nothing but K, that a problem's are brought to rest."""
-    bound = system.goals.equations or system.goals.sides or not system.places.trivial
-    return not bound and len(system.columns) <= MOST and not isinstance(equations, FoundCurvature)
+    return len(system.columns) <= MOST and is_bound_by_k_alone(system, equations)
 
 
 def brought_to_rest(system: System, equations: CurvatureEquations, reached: Reached) -> Optional[Reached]:

@@ -132,7 +132,7 @@ def closed_across(system: System, equations: CurvatureEquations, near: Point) ->
 
 def is_bound_by_k_alone(system: System, equations: CurvatureEquations) -> bool:
     """Return whether nothing but a K that is given is asked of a system."""
-    return system.places.trivial and not (system.goals.equations or system.goals.sides or isinstance(equations, FoundCurvature))
+    return system.asks_for_k_alone and not isinstance(equations, FoundCurvature)
 
 
 def along(directions: FloatArray, J: sparse.csr_matrix) -> sparse.csr_matrix:

@@ -32,8 +32,7 @@ LAST = 3  # steps to rounding
 
 def can_slide(system: System, equations: CurvatureEquations) -> bool:
     """Return whether K < 0 is asked for, and nothing else."""
-    plain = system.places.trivial and not system.goals.equations and not system.goals.sides
-    return plain and bool((equations.targets[system.rows] < 0.0).any())
+    return system.asks_for_k_alone and bool((equations.targets[system.rows] < 0.0).any())
 
 
 def turns_triangles_over(system: System, equations: CurvatureEquations, vertices: FloatArray) -> bool:

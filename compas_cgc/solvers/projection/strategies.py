@@ -193,14 +193,13 @@ def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -
 
 def _is_told_by_fits(system: System, equations: CurvatureEquations) -> bool:
     """Return whether nothing but K is asked for, of as many vertices as polynomials tell a smooth shape of in seconds."""
-    plain = system.places.trivial and not system.goals.equations and not system.goals.sides
-    return plain and ENOUGH <= len(system.rows) <= MANY
+    return system.asks_for_k_alone and ENOUGH <= len(system.rows) <= MANY
 
 
 def _says_which_developable(system: System, equations: CurvatureEquations, drawn: Point) -> bool:
     """Return whether a drawing is all that tells the developable surfaces through a rim apart that is held all round."""
     held = np.isin(system.columns, system.rows).all() and not equations.targets[system.rows].any()
-    if not held or not system.places.trivial or system.goals.equations or system.goals.sides:
+    if not held or not system.asks_for_k_alone:
         return False
     away = drawn.vertices - system.fairness.relaxed()
     return bool(np.abs(away[system.columns]).max(initial=0.0) > MEANT * system.size)

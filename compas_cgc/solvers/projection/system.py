@@ -200,6 +200,11 @@ class System:
         return self._problem.creases
 
     @property
+    def asks_for_k_alone(self) -> bool:
+        """Whether nothing but K binds the vertices that may move."""
+        return self.places.trivial and not self.goals.equations and not self.goals.sides
+
+    @property
     def can_be_laid_out_anew(self) -> bool:
         """Whether there is nothing but vertices and creases to hold, so that other triangles do as well."""
         return not self._problem.goals and bool(self._problem.real_faces.all())
