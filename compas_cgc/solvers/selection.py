@@ -28,6 +28,7 @@ from .choices import choose
 from .drawn_side import is_drawn_below
 from .evened import evened
 from .half_sphere import with_half_a_sphere
+from .larger_cap import with_larger_cap
 from .method import Method
 from .reasons import DRAWN_IN
 from .reasons import contradiction
@@ -102,7 +103,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         tried.append((solution, choice))
         if judged is not None:
             if judged.fair:
-                return _told(solution, choice, tried)
+                return _told(with_larger_cap(problem, solution, callback), choice, tried)
             rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             break

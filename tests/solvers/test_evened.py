@@ -37,6 +37,23 @@ def test_a_half_sphere_becomes_the_cap_that_is_asked_for(K):
     assert again.verdict.fair, "and a slider goes on from there"
 
 
+@pytest.mark.parametrize("K", [0.9, 0.5, 0.2])
+def test_the_larger_cap_over_the_rim_of_a_half_sphere_is_a_branch(K):
+    """Two caps of a sphere of radius R go through a circle; both bend with the energy 2 K A, the area A = 2 pi R h."""
+    result = solve(half_sphere().with_targets(K))
+    radius, caps = K**-0.5, result.branches
+    assert [cap.fair for cap in caps] == [True, True] and (caps[0].vertices == result.vertices).all()
+    for cap, side in zip(caps, (-1.0, 1.0)):
+        away = side * np.sqrt(radius**2 - 1.0)
+        assert np.linalg.norm(cap.vertices - [0.0, 0.0, away], axis=1) == pytest.approx(radius, rel=0.05)
+        assert cap.energy == pytest.approx(4.0 * np.pi * (radius + away) / radius, rel=0.08)
+
+
+def test_a_drawing_that_does_not_stand_upright_on_its_rim_leads_to_one_surface():
+    drawn = half_sphere()
+    assert solve(drawn.with_vertices(drawn.vertices * [1.0, 1.0, 0.5]).with_targets(0.5)).branches == ()
+
+
 def test_triangles_of_a_half_sphere_laid_out_over_its_plan_are_similar():
     """The harmonic map of a half sphere to the disk is the stereographic projection, which is conformal."""
     problem = half_sphere("regular")
