@@ -128,29 +128,29 @@ class SplineSurface:
         """
         low, high = self.domain.T
         free = np.ones_like(start) if held is None else np.where(held, 0.0, 1.0)
-        here = start.copy()
-        span = high - low
+        here, span = start.copy(), high - low
+        rest = np.arange(len(points))  # those that still move
         for _ in range(NEWTON_STEPS):
-            place, u, v = self.tangents(here)
-            off = points - place
+            before = here[rest]
+            place, u, v = self.tangents(before)
+            off = points[rest] - place
             # A parameter at the end of its range stays there while the closest point lies beyond it.
             slope = np.column_stack([(off * u).sum(axis=1), (off * v).sum(axis=1)])
-            beyond = ((here <= low) & (slope < 0.0)) | ((here >= high) & (slope > 0.0))
-            active = np.where(beyond & ~np.array(self.closed), 0.0, free)
+            beyond = ((before <= low) & (slope < 0.0)) | ((before >= high) & (slope > 0.0))
+            active = np.where(beyond & ~np.array(self.closed), 0.0, free[rest])
             u, v = active[:, :1] * u, active[:, 1:] * v
             a, b, c = (u * u).sum(axis=1), (u * v).sum(axis=1), (v * v).sum(axis=1)
             a, c = np.where(a > 0.0, a, 1.0), np.where(c > 0.0, c, 1.0)
             p, q = (off * u).sum(axis=1), (off * v).sum(axis=1)
             determinant = np.maximum(a * c - b * b, 1e-12 * a * c)
             step = np.column_stack([c * p - b * q, a * q - b * p]) / determinant[:, None]
-            step = np.clip(step, -0.2 * span, 0.2 * span)
-            new = here + step
+            new = before + np.clip(step, -0.2 * span, 0.2 * span)
             for axis, closes in enumerate(self.closed):
                 if closes:
                     new[:, axis] = low[axis] + np.mod(new[:, axis] - low[axis], span[axis])
-            new = np.clip(new, low, high)
-            moved, here = np.abs(step).max(initial=0.0), np.where(free > 0.0, new, here)
-            if moved <= 1e-12 * span.max():
+            here[rest] = np.where(free[rest] > 0.0, np.clip(new, low, high), before)
+            rest = rest[(np.abs(here[rest] - before) > 1e-12 * span.max()).any(axis=1)]
+            if not len(rest):
                 break
         return here
 
@@ -158,9 +158,11 @@ class SplineSurface:
         """Return points or derivatives (k, 3) of the given orders, by the quotient rule; lower orders have to be asked for first."""
         found: dict[tuple[int, int], FloatArray] = {}
         weights: dict[tuple[int, int], FloatArray] = {}
-        windows = [self._windows(uv[:, axis], axis, max(order[axis] for order in orders)) for axis in range(2)]
+        (first, i), (second, j) = (self._windows(uv[:, axis], axis, max(order[axis] for order in orders)) for axis in range(2))
+        net = self.control[i[:, :, None], j[:, None, :]]
+        rows = [np.einsum("kp,kpqx->kqx", own, net) for own in first]
         for order in orders:
-            total = self._sum(windows[0][order[0]], windows[1][order[1]])
+            total = np.einsum("kq,kqx->kx", second[order[1]], rows[order[0]])
             numerator, weights[order] = total[:, :3], total[:, 3:]
             for other in found:
                 rest = order[0] - other[0], order[1] - other[1]
@@ -170,8 +172,8 @@ class SplineSurface:
             found[order] = numerator / weights[0, 0]
         return [found[order] for order in orders]
 
-    def _windows(self, values: FloatArray, axis: int, highest: int) -> list[tuple[FloatArray, IntArray]]:
-        """Return, for every order of derivative, the values (k, p + 1) of the basis functions that are not zero, and their numbers."""
+    def _windows(self, values: FloatArray, axis: int, highest: int) -> tuple[list[FloatArray], IntArray]:
+        """Return the values (k, p + 1) of the basis functions that are not zero, for every order of derivative, and their numbers."""
         knots, degree = self.knots[axis], self.degrees[axis]
         low, high = self.domain[axis].tolist()
         beyond = (values < low) | (values > high)
@@ -181,13 +183,7 @@ class SplineSurface:
         numbers = np.asarray(span[:, None] + np.arange(-degree, 1), dtype=np.int64)
         count = len(knots) - degree - 1
         basis = BSpline(knots, np.eye(count), degree)
-        return [(np.take_along_axis(basis(inside, nu=order), numbers, axis=1), numbers) for order in range(highest + 1)]
-
-    def _sum(self, first: tuple[FloatArray, IntArray], second: tuple[FloatArray, IntArray]) -> FloatArray:
-        """Return the sums (k, 4) of control points with the products of two sets of basis functions."""
-        (one, i), (other, j) = first, second
-        net = self.control[i[:, :, None], j[:, None, :]]
-        return np.einsum("kp,kq,kpqx->kx", one, other, net)
+        return [np.take_along_axis(basis(inside, nu=order), numbers, axis=1) for order in range(highest + 1)], numbers
 
 
 def _binomial(n: int, k: int) -> int:

@@ -37,6 +37,15 @@ def test_the_foot_of_a_point_on_a_normal_is_where_the_normal_starts():
     assert np.allclose(torus.foot(away, UV + 0.03), UV, atol=1e-9)
 
 
+def test_points_that_have_arrived_take_no_further_steps(monkeypatch):
+    torus, counts = quarter_torus(), []
+    tangents = type(torus).tangents
+    monkeypatch.setattr(type(torus), "tangents", lambda own, uv: (counts.append(len(uv)), tangents(own, uv))[1])
+    found = torus.foot(torus.at(UV), np.vstack([UV[:1] + 0.03, UV[1:]]))
+    assert np.allclose(found, UV, atol=1e-9)
+    assert counts[0] == len(UV) and set(counts[2:]) == {1}
+
+
 def test_a_fit_reaches_its_tolerance_and_keeps_the_plan():
     vertices, faces = mesh_over(lambda x, y: 0.5 * np.sin(0.5 * x) * np.cos(0.4 * y), 10.0, 8.0, 0.25)
     triangles = np.array(faces)[:, :3]
