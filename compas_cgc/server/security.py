@@ -131,6 +131,7 @@ def owner() -> str:
         return own.name
     if own.role != OPERATOR or not (named == "" or NAME.fullmatch(named)):
         raise Forbidden(f"only an operator may send the header {OWNER_HEADER}")
+    g.acting_for = named
     return named
 
 

@@ -17,6 +17,7 @@ from flask import g
 from flask import has_request_context
 from flask import request
 
+from ..security import caller
 from ..security import client_name
 
 __all__ = ["FORMATS", "JSONLines", "begin_request", "log_request", "log_to_stderr", "request_id"]
@@ -91,6 +92,7 @@ def log_request(response: Response) -> float:
     fields = {
         "request": request_id(),
         "client": client_name(),
+        "owner": g.get("acting_for", caller().name),
         "method": request.method,
         "path": path,
         "status": response.status_code,
@@ -98,7 +100,8 @@ def log_request(response: Response) -> float:
         "bytes_in": request.content_length or 0,
         "bytes_out": response.content_length,
     }
-    requests.info("%s %s %s: %d", fields["client"], request.method, path, response.status_code, extra={"fields": fields})
+    who = f"{client_name()} for {g.acting_for}" if "acting_for" in g else client_name()
+    requests.info("%s %s %s: %d", who, request.method, path, response.status_code, extra={"fields": fields})
     return seconds
 
 

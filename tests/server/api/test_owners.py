@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import threading
 import types
 from concurrent.futures import ThreadPoolExecutor
 
@@ -70,6 +71,52 @@ def test_a_foreign_key_gets_404_at_every_address_of_a_job(app, solved):
         assert answer.status_code == 404, (method, path)
         assert "no job" in answer.json["message"]
     assert client.get(f"/api/v1/jobs/{ID}", headers={"RhinoComputeKey": ANNA}).json["has_result"], "all is as it was"
+
+
+def test_every_address_with_a_name_of_an_owner_is_tried_with_a_foreign_key(app):
+    """The test above and that of designs try these; the others name examples and links, which are for all, or pages."""
+    named = {rule.rule for rule in app.url_map.iter_rules() if rule.arguments}
+    owned = {path for path in named if path.startswith(("/api/v1/jobs/<id>", "/api/v1/designs/<id>"))}
+    described = {path.format(id="<id>", link="<link>") for path in app.test_client().get("/openapi.json").json["paths"] if "{id}" in path}
+    assert owned == described and len(owned) == 9
+    hops = {"/cgc/<name>", "/cgc/<name>/", "/<path:prefix>/solve"}
+    assert named - owned == {"/api/v1/examples/<name>", "/api/v1/shared/<token>", "/page/<path:name>", *hops}
+
+
+def test_a_foreign_key_opens_no_event_stream_of_a_job_that_is_waiting_or_over(app, solved):
+    client, release = app.test_client(), threading.Event()
+    app.extensions["jobs"].executor.submit(release.wait)
+    try:
+        waiting = client.post("/api/v1/jobs", json=body(targets=0.15), headers={"RhinoComputeKey": ANNA}).json["id"]
+        for id in [waiting, *20 * [solved]]:  # more than there may be streams
+            answer = client.get(f"/api/v1/jobs/{id}/events", headers={"RhinoComputeKey": BEN})
+            assert answer.status_code == 404 and answer.mimetype == "application/json" and "no job" in answer.json["message"]
+        assert client.get(f"/api/v1/jobs/{waiting}", headers={"RhinoComputeKey": ANNA}).json["state"] == "queued"
+        client.delete(f"/api/v1/jobs/{waiting}", headers={"RhinoComputeKey": ANNA})
+    finally:
+        release.set()
+    assert b"event: done" in client.get(f"/api/v1/jobs/{solved}/events", headers={"RhinoComputeKey": ANNA}).data
+
+
+def test_the_log_holds_every_attempt_with_a_foreign_key_by_its_name(app, solved, caplog):
+    client = app.test_client()
+    of_a_job = [(method.upper(), path) for method, path in pairs(app) if path.startswith(f"/api/v1/jobs/{ID}")]
+    with caplog.at_level(logging.INFO, "compas_cgc.server.requests"):
+        for method, path in of_a_job:
+            client.open(path, method=method, data=b"3D Geometry File Format ", headers={"RhinoComputeKey": BEN})
+    lines = [record.getMessage() for record in caplog.records if record.name == "compas_cgc.server.requests"]
+    assert lines == [f"key:ben {method} {path}: 404" for method, path in of_a_job]
+    assert BEN not in caplog.text
+
+
+def test_the_log_names_an_operator_and_the_owner_it_acts_for(app, solved, caplog):
+    client = app.test_client()
+    with caplog.at_level(logging.INFO, "compas_cgc.server.requests"):
+        client.get(f"/api/v1/jobs/{ID}", headers={"RhinoComputeKey": OPERATOR, "CGC-Owner": "anna"})
+        client.get(f"/api/v1/jobs/{ID}", headers={"RhinoComputeKey": BEN, "CGC-Owner": "anna"})
+    for_anna, refused = (record.fields for record in caplog.records)
+    assert (for_anna["client"], for_anna["owner"], for_anna["status"]) == ("key:chief", "anna", 200)
+    assert (refused["client"], refused["owner"], refused["status"]) == ("key:ben", "ben", 403)
 
 
 def test_nothing_but_descriptions_is_answered_without_a_key(app, solved):

@@ -103,6 +103,7 @@ def test_logs_are_json_lines_with_time_client_and_request_id(app, caplog):
         "logger": "compas_cgc.server.requests",
         "message": "key:anna GET /api/v1/jobs: 200",
         "client": "key:anna",
+        "owner": "anna",
         "method": "GET",
         "path": "/api/v1/jobs",
         "status": 200,
