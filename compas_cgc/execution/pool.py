@@ -52,6 +52,8 @@ class WorkerPool(Executor):
         Time between the request to stop a task and killing its process [s].
     reserved
         Number of additional processes for urgent tasks only; the second and third run short ones only.
+    niceness
+        By how much the system prefers other processes to those that run long tasks, as in :func:`os.nice`, where it has priorities.
 
     Attributes
     ----------
@@ -59,10 +61,18 @@ class WorkerPool(Executor):
         Number of processes for all tasks.
     """
 
-    def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0, reserved: int = 0):
+    def __init__(
+        self,
+        workers: int = 1,
+        warm_up: Optional[Callable[[], object]] = None,
+        grace: float = 1.0,
+        reserved: int = 0,
+        niceness: int = 0,
+    ):
         self._context = multiprocessing.get_context("spawn")
         self._warm_up = warm_up
         self._grace = grace
+        self._niceness = niceness
         self.workers = workers
         self._waiting: deque[Task] = deque()
         self._change = threading.Condition()
@@ -167,7 +177,8 @@ class WorkerPool(Executor):
             self._change.notify_all()
         slot.line, theirs = self._context.Pipe()
         slot.flag = self._context.RawValue("b", 0)
-        slot.process = self._context.Process(target=run_tasks, args=(theirs, slot.flag, self._warm_up), daemon=True)
+        niceness = 0 if slot.lane == SHORT else self._niceness
+        slot.process = self._context.Process(target=run_tasks, args=(theirs, slot.flag, self._warm_up, niceness), daemon=True)
         slot.process.start()
         theirs.close()
         while not self._closed:

@@ -91,7 +91,7 @@ class _Pipe(NamedTuple):
         return True
 
 
-def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Callable[[], object]]) -> None:
+def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Callable[[], object]], niceness: int = 0) -> None:
     """Run the tasks received from a pipe until it is closed; main function of a worker process.
 
     Parameters
@@ -103,7 +103,12 @@ def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Calla
         Shared byte that is nonzero when the running task should stop.
     warm_up
         Called before the first task.
+    niceness
+        By how much the system prefers other processes, see :func:`os.nice`.
     """
+    # Before the libraries start their threads, which inherit it.
+    if niceness and hasattr(os, "nice"):
+        os.nice(niceness)
     # Ctrl-C in a terminal reaches all its processes; only the server handles it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()

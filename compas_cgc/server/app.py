@@ -30,6 +30,7 @@ from .api.requests import READERS
 from .api.responses import respond
 from .api.routes import api
 from .api.tasks import solve_job
+from .api.warm_up import warm_up_writer
 from .errors import RequestError
 from .errors import UnsupportedEncoding
 from .errors import error_body
@@ -59,6 +60,8 @@ __all__ = ["create_app"]
 
 log = logging.getLogger(__name__)
 
+# Niceness of processes whose solves may be long. Those of short calls and of files get three times as much of a shared processor.
+LONG_NICENESS = 5
 SENTENCES = {
     404: "there is nothing at this address; GET /openapi.json lists the available addresses",
     405: "this address does not support {method} requests; GET /openapi.json lists the available addresses",
@@ -110,8 +113,9 @@ def create_app(
     app.config.update(MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEYS=keys, HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8))
     # First, as opening the store can fail.
     stored = Store(store)
-    pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace, limits.reserved)
-    readers, writers = WorkerPool(1, warm_up_io, limits.grace), WorkerPool(1, warm_up_io, limits.grace)
+    count = workers or max(1, (os.cpu_count() or 2) - 1)
+    pool = executor or WorkerPool(count, warm_up, limits.grace, limits.reserved, LONG_NICENESS)
+    readers, writers = WorkerPool(1, warm_up_io, limits.grace), WorkerPool(1, warm_up_writer, limits.grace)
     solve = partial(solve_job, readers={**READERS, "hops": read_hops_request})
     jobs = app.extensions["jobs"] = Jobs(pool, stored, solve, limits, readers, writers)
     app.extensions["readiness"] = Readiness(jobs.problems)

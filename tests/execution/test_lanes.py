@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 
 import pytest
@@ -150,6 +151,14 @@ def test_arguments_are_fetched_when_a_worker_takes_the_task(pool):
     assert pool.start(tasks.add, lambda: fetched.append(1) or (2, 3)).result(LONG) == 5 and fetched == [1]
     with pytest.raises(ZeroDivisionError):
         pool.start(tasks.add, lambda: 1 / 0).result(LONG)
+
+
+@pytest.mark.skipif(not hasattr(os, "getpriority"), reason="the system has no priorities")
+def test_processes_of_short_lanes_go_first_on_busy_processors():
+    with WorkerPool(1, reserved=2, niceness=3) as pool:
+        assert pool.wait_until_ready(LONG)
+        own = os.getpriority(os.PRIO_PROCESS, 0)
+        assert [os.getpriority(os.PRIO_PROCESS, pid) - own for pid in pool.processes()] == [3, 3, 0]
 
 
 def test_a_call_known_to_be_short_does_not_wait_for_the_start_of_a_worker(tmp_path, monkeypatch):

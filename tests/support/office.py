@@ -32,6 +32,7 @@ from .soak import hops_body
 from .soak import job_asked
 
 CLIENTS = 10
+KINDS = ("job", "call", "upload")
 KEYS = [f"key-of-client-{k:02d}" for k in range(CLIENTS + 1)]
 FORMATS = {
     "obj": [b"v 0 0 0 \\\n" * 1_000_000, b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf " + b"1 2 3 " * 500_000],
@@ -42,10 +43,8 @@ FORMATS = {
 }
 
 
-def asked_for(client: int) -> tuple[str, bytes]:
-    """Return the path and body of a request that keeps a server busy."""
-    chance = random.Random(f"{client} {time.monotonic()}")
-    kind = chance.choice(("job", "call", "upload", "upload"))
+def asked_for(kind: str, chance: random.Random) -> tuple[str, bytes]:
+    """Return the path and body of a request that keeps a server busy: one of KINDS."""
     if kind == "call":
         return "/solve", hops_body(60, 0.003 + 1e-7 * chance.random(), "flow", Steps=10_000)
     if kind == "job":
@@ -68,18 +67,18 @@ def eleventh(seconds: float, workers: int = 2) -> tuple[dict[str, list[float]], 
         assert server.ask("POST", "/solve", hops_body(10, 0.004), RhinoComputeKey=KEYS[-1])[0] == 200
         end, answers = time.monotonic() + seconds, Counter()
 
-        def bother(client: int) -> None:
+        def bother(client: int, kind: str) -> None:
+            chance = random.Random(f"{client} {kind}")
             while time.monotonic() < end:
-                path, body = asked_for(client)
+                path, body = asked_for(kind, chance)
                 try:
-                    answers[path.partition("?")[0], server.ask("POST", path, body, RhinoComputeKey=KEYS[client])[0]] += 1
+                    answers[kind, server.ask("POST", path, body, RhinoComputeKey=KEYS[client])[0]] += 1
                 except OSError as error:
-                    answers[path.partition("?")[0], type(error).__name__] += 1
+                    answers[kind, type(error).__name__] += 1
                 time.sleep(0.05)
 
-        crowd = [threading.Thread(target=bother, args=(client,), daemon=True) for client in range(CLIENTS)]
-        for thread in crowd:
-            thread.start()
+        for client, kind in itertools.product(range(CLIENTS), KINDS):
+            threading.Thread(target=bother, args=(client, kind), daemon=True).start()
         time.sleep(min(5.0, 0.2 * seconds))
         waited: dict[str, list[float]] = {"Hops": [], "3dm": []}
         for number in itertools.takewhile(lambda _: time.monotonic() < end, itertools.count()):
@@ -91,7 +90,8 @@ def eleventh(seconds: float, workers: int = 2) -> tuple[dict[str, list[float]], 
             assert mine.result(id, "3dm").startswith(b"3D Geometry File Format")
             waited["3dm"].append(time.monotonic() - started)
             time.sleep(0.2)
-        return waited, answers
+        # Without the calls that the end of the server breaks off.
+        return waited, Counter(answers)
 
 
 class Queued(NamedTuple):

@@ -14,8 +14,9 @@ pytestmark = [KILLABLE, pytest.mark.nightly, pytest.mark.timeout(900)]
 
 def test_short_calls_and_downloads_of_one_client_go_on_beside_ten_that_keep_the_server_busy():
     waited, answers = eleventh(30.0)
-    assert sum(answers.values()) > 50 and not any(isinstance(code, int) and code >= 500 and code != 504 for _, code in answers)
-    assert all(np.median(seconds) < 5.0 for seconds in waited.values()), "far more on a busy machine than the second of a quiet one"
+    assert {kind for kind, _ in answers} >= {"job", "upload"} and sum(answers.values()) > 100
+    assert not any(isinstance(code, int) and code >= 500 and code != 504 for _, code in answers)
+    assert all(np.percentile(seconds, 99) <= 1.0 for seconds in waited.values()), waited
 
 
 def test_bodies_that_wait_are_on_the_disk_and_go_with_their_jobs():
