@@ -53,6 +53,7 @@ COMMANDS = {
     "grasshopper": "build and install the Grasshopper components",
 }
 
+REPEAT_SECONDS = 0.01  # until a signal is repeated
 EXITS = """\
 exit codes: 0 done; 1 not converged to the tolerance; 2 input refused, with the reason; 3 written, but rough, or with panels that would
 break; 4 an output other than the surface could not be written; 130 interrupted; 143 terminated
@@ -86,7 +87,8 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     """
     _end_cleanly_on_signals()
     try:
-        return _run(sys.argv[1:] if argv is None else argv)
+        with _signals_repeated():
+            return _run(sys.argv[1:] if argv is None else argv)
     except KeyboardInterrupt:
         print("compas-cgc: interrupted", file=sys.stderr)
         return INTERRUPTED
@@ -132,13 +134,47 @@ def _run(argv: Sequence[str]) -> int:
 
 @contextmanager
 def _signals_in_kernels() -> Iterator[None]:
-    """Pass on the exception of a signal that arrived during a call of a compiled function, which Python wraps in a SystemError."""
+    """Pass on the exception of a signal that arrived during calls of compiled functions, each of which wraps it in a SystemError."""
     try:
         yield
     except SystemError as error:
-        if isinstance(error.__cause__, (KeyboardInterrupt, SystemExit)):
-            raise error.__cause__ from None
+        cause = error.__cause__
+        while isinstance(cause, SystemError):
+            cause = cause.__cause__
+        if isinstance(cause, (KeyboardInterrupt, SystemExit)):
+            raise cause from None
         raise
+
+
+@contextmanager
+def _signals_repeated() -> Iterator[None]:
+    """Repeat signals whose exceptions Python ignores, such as those in callbacks of weak references, which every import has."""
+    usual, thread = sys.unraisablehook, threading.get_ident()
+
+    def hook(ignored: sys.UnraisableHookArgs) -> None:
+        error = ignored.exc_value
+        if isinstance(error, KeyboardInterrupt):
+            number = int(signal.SIGINT)
+        elif isinstance(error, SystemExit) and isinstance(error.code, int) and error.code > 128:
+            number = error.code - 128
+        else:
+            usual(ignored)
+            return
+        # Later, as Python ignores exceptions in this call too.
+        threading.Timer(REPEAT_SECONDS, _signal_thread, (thread, number)).start()
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = usual
+
+
+def _signal_thread(thread: int, number: int) -> None:
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(thread, number)
+    else:
+        signal.raise_signal(number)
 
 
 def _end_cleanly_on_signals() -> None:

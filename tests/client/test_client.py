@@ -6,6 +6,7 @@ import re
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 from http.server import BaseHTTPRequestHandler
 from http.server import HTTPServer
@@ -21,6 +22,7 @@ from compas_cgc.client import Failed
 from compas_cgc.client import Refused
 from compas_cgc.client import ServerUnavailable
 from compas_cgc.client import ensure_server
+from compas_cgc.client.server_process import start_server
 
 from ..support.server_process import PATIENCE
 from ..support.server_process import free_port
@@ -153,6 +155,14 @@ def test_a_server_that_cannot_start_shows_its_log(tmp_path):
         ensure_server(url, key="short", log=log, say=lambda text: None)
     with pytest.raises(ServerUnavailable, match="cannot be run"):
         ensure_server(url, python=tmp_path / "no-python", log=log, say=lambda text: None)
+
+
+def test_a_log_without_a_name_is_a_private_file_that_nobody_can_predict(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(subprocess, "Popen", lambda *args, **more: None)
+    logs = [start_server("http://127.0.0.1:7331").log for _ in range(3)]
+    assert len(set(logs)) == 3 and all(log.parent == tmp_path for log in logs)
+    assert sys.platform == "win32" or all(not log.stat().st_mode & 0o077 for log in logs)
 
 
 def test_a_server_is_started_where_there_is_none(tmp_path, monkeypatch):

@@ -287,7 +287,10 @@ def test_a_signal_whose_exception_a_library_swallows_publishes_nothing(tmp_path)
 @pytest.mark.parametrize("cause", [SystemExit(143), KeyboardInterrupt()])
 def test_a_signal_in_a_compiled_function_ends_the_command_like_any_other(plan, monkeypatch, cause):
     def check(arguments):
-        raise SystemError("returned a result with an exception set") from cause
+        try:
+            raise SystemError("the inner function returned a result with an exception set") from cause
+        except SystemError as error:
+            raise SystemError("the outer function returned a result with an exception set") from error
 
     monkeypatch.setattr("compas_cgc.cli.check.run", check)
     try:
@@ -295,6 +298,24 @@ def test_a_signal_in_a_compiled_function_ends_the_command_like_any_other(plan, m
     except SystemExit as error:
         code = error.code
     assert code in (143, INTERRUPTED)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="it ends by signal")
+@pytest.mark.parametrize("name, code", [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", INTERRUPTED)])
+def test_a_signal_whose_exception_python_ignores_is_repeated(name, code):
+    """Python ignores exceptions in callbacks of weak references, and prints them with a traceback."""
+    program = (
+        "import importlib, signal, sys, time, weakref\n"
+        "from compas_cgc.cli import check, main\n"
+        "class Gone: pass\n"
+        "def run(arguments):\n"
+        f"    gone = Gone(); kept = weakref.ref(gone, lambda own: signal.raise_signal(signal.{name})); del gone\n"
+        f"    time.sleep({PATIENCE})\n"
+        "check.run = run\n"
+        "sys.exit(main(['check', 'plan.json']))\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert ended.returncode == code and "Traceback" not in ended.stderr
 
 
 def test_an_interrupt_while_a_command_is_loaded_ends_it_like_any_other(monkeypatch, capsys):
