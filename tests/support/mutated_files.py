@@ -80,7 +80,7 @@ def read_all(files: list[tuple[str, bytes]], folder: Path) -> Reading:
     for suffix, content in files:
         path = folder / f"file{suffix}"
         path.write_bytes(content)
-        started = _seconds()
+        started = processor_seconds()
         try:
             describe(read_problem(path))
             accepted += 1
@@ -90,7 +90,7 @@ def read_all(files: list[tuple[str, bytes]], folder: Path) -> Reading:
                 causes[type(error.__cause__).__name__] += 1
         except Exception as error:
             tracebacks.append(f"{type(error).__name__}: {error}"[:200])
-        slowest = max(slowest, _seconds() - started)
+        slowest = max(slowest, processor_seconds() - started)
     sys.path.remove(str(folder))
     return Reading(len(files), accepted, refused, tracebacks, slowest, _megabytes(), FOREIGN in sys.modules, causes)
 
@@ -183,7 +183,8 @@ def _binary_stl(mesh: CGCMesh) -> bytes:
     return bytes(80) + struct.pack("<I", len(F)) + rows
 
 
-def _seconds() -> float:
+def processor_seconds() -> float:
+    """Return the processor time of this process and its ended children [s]."""
     import resource
 
     spent = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
