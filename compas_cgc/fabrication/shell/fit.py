@@ -15,7 +15,6 @@ import numpy as np
 from scipy import sparse
 from scipy.interpolate import CubicSpline
 from scipy.optimize import linprog
-from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from ...discrete import face_normals
@@ -23,6 +22,7 @@ from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import MeshError
+from ...linalg import linear_solver
 from ...model.problem import CGCProblem
 from .edges import RegionEdge
 from .edges import region_edges
@@ -45,9 +45,11 @@ MAX_SEAM_KINK = np.radians(3.0)  # median kink of an edge up to which regions ar
 KINK = np.radians(0.35)  # kink at a smooth edge that costs as much as CURVATURE_ERROR
 ROUGHNESS = 1e-10  # weight of the squared third derivative for edges of length 1
 START_ROUGHNESS = 1e-4  # the same for the initial surface through the vertices
-SINGULAR_MARGIN = 3.0  # distance from singular vertices, in mesh edges, up to which the weight of K is reduced
+# Distance from singular vertices up to which the weight of K is reduced, in mesh edges and relative to the size: the larger one counts.
+# Beside straight held edges with K > 0, K of the mesh itself is off within a length that does not shrink with its edges.
+SINGULAR_MARGIN, SINGULAR_LENGTH = 3.0, 0.04
 MARGIN_POWER = 8.0  # high enough that K nearly counts only where its error is measured
-CROSSING_MARGIN = 0.5  # the same for points where three or more regions meet
+CROSSING_MARGIN = 0.5  # the same for points where three or more regions meet, in mesh edges
 # Factors on DISTANCE, errors of K in units of CURVATURE_ERROR beyond which they are outliers, and gaps that cost as much as DISTANCE,
 # relative to it.
 CLOSE = (
@@ -246,6 +248,7 @@ class _System:
         self.joints = Joints([region.splines for region in self.regions], self.edges, self.lines, self.size)
         self._tether()
         self._curvature()
+        self._centres()
         rough = sparse.vstack(self._stack(lambda region: region.splines.space.roughness())).tocsr()
         self.rough = rough.T @ rough
 
@@ -277,23 +280,25 @@ class _System:
             self.guides.append(np.concatenate([own.plan[own.used], *edges]))
             counts.append(np.full(len(self.guides[-1]), 1.0 / SAMPLES_PER_EDGE))
             counts[-1][: len(own.used)] = 1.0
-        rows = [own.splines.placed(own.splines.space.basis(at[:, :2]), self.size) for own, at in zip(self.regions, self.guides)]
-        self.near, self.heights, self.counts = sparse.vstack(rows).tocsr(), np.concatenate(self.guides)[:, 2], np.concatenate(counts)
+        plans = [guides[:, :2] for guides in self.guides]
+        self.near, *self.slopes = (self._basis(plans, order) for order in ((0, 0), (1, 0), (0, 1)))
+        self.heights, self.counts = np.concatenate(self.guides)[:, 2], np.concatenate(counts)
+
+    def _basis(self, plans: list[FloatArray], order: tuple[int, int]) -> sparse.csr_matrix:
+        """Return basis functions, or their derivatives, at points (k, 2) of the planes of all regions in turn."""
+        rows = [own.splines.placed(own.splines.space.basis(xy, order), self.size) for own, xy in zip(self.regions, plans)]
+        return sparse.vstack(rows).tocsr()
 
     def _curvature(self) -> None:
+        """Prepare K at points of all faces, whose basis functions and derivatives have one sparsity."""
         targets = [np.nan if K is None else K * self.scale**2 for K in self.problem.region_targets()]
-        self.places = [np.einsum("pc,fcx->fpx", FACE_POINTS, own.plan[own.faces][:, :, :2]).reshape(-1, 2) for own in self.regions]
-        self.parts = [
-            sparse.vstack(
-                [own.splines.placed(own.splines.space.basis(xy, order), self.size) for own, xy in zip(self.regions, self.places)]
-            ).tocsr()
-            for order in SECOND_ORDERS
-        ]
-        self.target = np.concatenate([np.full(len(xy), targets[k]) for k, xy in enumerate(self.places)])
         floors = [reference(K, own.plan[own.used], 1.0) for own, K in zip(self.regions, targets)]
-        self.reference = np.concatenate([np.full(len(xy), floors[k]) for k, xy in enumerate(self.places)])
+        places = [np.einsum("pc,fcx->fpx", FACE_POINTS, own.plan[own.faces][:, :, :2]).reshape(-1, 2) for own in self.regions]
+        self.parts = [self._basis(places, order) for order in SECOND_ORDERS]
+        self.target, self.reference = (np.repeat(own, [len(xy) for xy in places]) for own in (targets, floors))
         points = np.concatenate([np.einsum("pc,fcx->fpx", FACE_POINTS, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
-        weight = np.minimum(1.0, distances(points, self.singular) / (SINGULAR_MARGIN * self.edge)) ** MARGIN_POWER
+        margin = max(SINGULAR_MARGIN * self.edge, SINGULAR_LENGTH)
+        weight = np.minimum(1.0, distances(points, self.singular) / margin) ** MARGIN_POWER
         around: dict[int, set[int]] = {}
         for edge in self.edges:
             for end in edge.path[[0, -1]].tolist():
@@ -304,14 +309,19 @@ class _System:
             weight = np.minimum(weight, np.minimum(1.0, near) ** MARGIN_POWER)
         self.curved = np.where(np.isfinite(self.target), weight, 0.0) / len(points)
 
+    def _centres(self) -> None:
+        """Prepare the surface at the centres of all faces, region by region."""
+        self.order = np.argsort(self.label, kind="stable")
+        centres = [own.plan[own.faces].mean(axis=1)[:, :2] for own in self.regions]
+        self.middle, *self.bends = (self._basis(centres, order) for order in ((0, 0), *SECOND_ORDERS))
+        first = np.cumsum([0, *map(len, self.guides)])
+        self.corners = np.concatenate([start + np.searchsorted(own.used, own.faces) for start, own in zip(first, self.regions)])
+
     def errors(self, x: FloatArray) -> FloatArray:
         """Return the error of K at the face centres (m,) relative to its target."""
-        errors = np.full(len(self.label), np.nan)
-        for number, (own, K) in enumerate(zip(self.regions, self.problem.region_targets())):
-            if K is not None:
-                found = self._piece(own, x).gaussian(own.plan[own.faces].mean(axis=1)[:, :2])
-                target = K * self.scale**2
-                errors[self.label == number] = np.abs(found - target) / reference(target, own.plan[own.used], 1.0)
+        points = len(FACE_POINTS)
+        K, errors = curvature(*(part @ x for part in self.bends)).K, np.empty(len(self.label))
+        errors[self.order] = np.abs(K - self.target[::points]) / self.reference[::points]
         return errors
 
     def _piece(self, own: _Region, x: FloatArray) -> Piece:
@@ -321,17 +331,16 @@ class _System:
         """Return the fit."""
         count, stiff = self.counts.sum(), self.edge**4 * self.rough
         near = self.near.multiply((self.counts / count)[:, None]).tocsr()
-        x = splu((self.near.T @ near + START_ROUGHNESS * stiff).tocsc()).solve(near.T @ self.heights)
+        solver = linear_solver(self.size, symmetric=True)
+        x = solver.factorise((self.near.T @ near + START_ROUGHNESS * stiff).tocsr()).solve(near.T @ self.heights)
         own, tried = self.counts, []
         self.smooth = self.joints.smooth(self.joints.at(x).kinks, MAX_SEAM_KINK)
         stiff = ROUGHNESS / DISTANCE**2 * stiff
         for looser, outlier, joint in stages:
             K, gradients = curvature(*(part @ x for part in self.parts))
             error = np.where(self.curved > 0.0, (K - self.target) / self.reference, 0.0) / CURVATURE_ERROR
-            weight = self.curved / (1.0 + (error / outlier) ** 2)
-            rates = [part.multiply((gradient / self.reference / CURVATURE_ERROR)[:, None]) for part, gradient in zip(self.parts, gradients)]
-            by = sum(rates[1:], rates[0]).tocsr()
-            by.data[~np.isfinite(by.data)] = 0.0
+            weight = np.sqrt(self.curved / (1.0 + (error / outlier) ** 2))
+            by = self._rates([weight / self.reference / CURVATURE_ERROR * gradient for gradient in gradients])
             off = self.heights - self.near @ x
             own = own * np.maximum(1.0, np.abs(off) / (looser * DISTANCE))
             own = own / np.sqrt(own.sum() / count)
@@ -340,7 +349,7 @@ class _System:
             join = 1.0 / (joint * DISTANCE) ** 2 / max(len(joined.gaps), 1)
             bend = self.smooth / KINK**2 / max(len(joined.gaps), 1)
             normal = (
-                by.T @ by.multiply(weight[:, None])
+                by.T @ by
                 + self.near.T @ self.near.multiply(tether[:, None])
                 + join * joined.gap_rates.T @ joined.gap_rates
                 + joined.kink_rates.T @ joined.kink_rates.multiply(bend[:, None])
@@ -353,26 +362,29 @@ class _System:
                 - joined.kink_rates.T @ (bend * joined.kinks)
                 - stiff @ x
             )
-            normal = (normal + DAMPING * normal.diagonal().mean() * sparse.identity(self.size)).tocsc()
-            x = x + splu(normal, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0).solve(right)
+            normal = (normal + DAMPING * normal.diagonal().mean() * sparse.identity(self.size)).tocsr()
+            x = x + solver.factorise(normal).solve(right)
             if joint <= MEASURED_GAP:
                 tried.append(self._measured(x))
         # Steps near the end do not always improve a surface that is singular somewhere.
         return min(tried, key=Fit.rank)
+
+    def _rates(self, gradients: list[FloatArray]) -> sparse.csr_matrix:
+        """Return the derivatives of K by all coefficients, from those by the derivatives of the heights (k,)."""
+        rates = self.parts[0].copy()
+        rows = [gradient[:, None] * part.data.reshape(len(gradient), -1) for part, gradient in zip(self.parts, gradients)]
+        rates.data = np.nan_to_num(np.sum(rows, axis=0).ravel(), posinf=0.0, neginf=0.0)
+        return rates
 
     def _measured(self, x: FloatArray) -> Fit:
         joined, size = self.joints.at(x), self.scale
         V, F = self.V, self.problem.faces
         distant = distances(V[F].mean(axis=1), self.singular) > AWAY * self.edge
         pieces = [self._piece(region, x) for region in self.regions]
-        distance = sagitta = 0.0
-        for number, (region, piece) in enumerate(zip(self.regions, pieces)):
-            off, upright = _offsets(piece, self.guides[number])
-            distance = max(distance, float(np.abs(off * upright).max()))
-            corners = region.plan[region.faces]
-            corners[..., 2] -= _offsets(piece, corners.reshape(-1, 3))[0].reshape(-1, 3)
-            off, upright = _offsets(piece, corners.mean(axis=1))
-            sagitta = max(sagitta, float(np.abs(off * upright)[distant[self.label == number]].max(initial=0.0)))
+        heights = self.near @ x
+        distance = float(np.abs((self.heights - heights) * _uprightness(self.slopes, x)).max())
+        sags = np.abs((heights[self.corners].mean(axis=1) - self.middle @ x) * _uprightness(self.bends[:2], x))
+        sagitta = float(sags[distant[self.order]].max(initial=0.0))
         gap = size * float(np.abs(joined.gaps).max(initial=0.0))
         kinks = np.degrees(np.arcsin(np.minimum(joined.sines[self.smooth], 1.0)))
         smooth = joined.edges[self.smooth], np.concatenate(joined.curves)[self.joints.shared][self.smooth]
@@ -381,10 +393,10 @@ class _System:
         return Fit(pieces, *frame, self.edges, joined.curves, gap, kinks, *smooth, distance, sagitta, self.errors(x), self.singular, away)
 
 
-def _offsets(piece: Piece, local: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the heights of points (k, 3) over a surface, and the cosines of its slopes (k,)."""
-    z, p, q = (piece.space.basis(local[:, :2], order) @ piece.coefficients for order in ((0, 0), (1, 0), (0, 1)))
-    return local[:, 2] - z, 1.0 / np.sqrt(1.0 + p * p + q * q)
+def _uprightness(slopes: list[sparse.csr_matrix], x: FloatArray) -> FloatArray:
+    """Return the cosines of the slopes (k,) from both first derivatives of the heights."""
+    cosines: FloatArray = 1.0 / np.sqrt(1.0 + (slopes[0] @ x) ** 2 + (slopes[1] @ x) ** 2)
+    return cosines
 
 
 def distances(points: FloatArray, others: FloatArray) -> FloatArray:

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
-from scipy.interpolate import BSpline
 
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
 
 __all__ = ["DEGREE", "SECOND_ORDERS", "Curvature", "HeightSpace", "curvature"]
 
@@ -61,13 +61,21 @@ class HeightSpace(NamedTuple):
         return sparse.vstack([self.basis(grid, order) * np.sqrt(times / len(grid)) for order, times in orders]).tocsr()
 
 
-def _window(knots: FloatArray, x: FloatArray, order: int) -> tuple[FloatArray, np.ndarray]:
-    """Return the nonzero basis functions (k, DEGREE + 1), or their derivatives, and their indices."""
+def _window(knots: FloatArray, x: FloatArray, order: int) -> tuple[FloatArray, IntArray]:
+    """Return the nonzero basis functions (k, DEGREE + 1), or their derivatives, and their indices, by the recursion of Cox and de Boor."""
     count = len(knots) - DEGREE - 1
     inside = np.clip(x, knots[DEGREE], knots[count])
-    span = np.clip(np.searchsorted(knots, inside, side="right") - 1, DEGREE, count - 1)
-    indices = span[:, None] + np.arange(-DEGREE, 1)
-    return np.take_along_axis(BSpline(knots, np.eye(count), DEGREE)(inside, nu=order), indices, axis=1), indices
+    span = np.clip(np.searchsorted(knots, inside, side="right") - 1, DEGREE, count - 1)[:, None]
+    values = np.ones((len(x), 1))
+    for degree in range(1, DEGREE + 1):
+        low, high = (knots[span + np.arange(first, first + degree)] for first in (1 - degree, 1))
+        share = values / (high - low)
+        if degree > DEGREE - order:
+            rising, falling = degree * share, -degree * share
+        else:
+            rising, falling = (inside[:, None] - low) * share, (high - inside[:, None]) * share
+        values = np.pad(rising, ((0, 0), (1, 0))) + np.pad(falling, ((0, 0), (0, 1)))
+    return values, span + np.arange(-DEGREE, 1)
 
 
 class Curvature(NamedTuple):
