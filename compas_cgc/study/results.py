@@ -20,6 +20,8 @@ from ..io import read_problem
 from ..model.problem import CGCProblem
 from .spec import Ranking
 from .spec import Study
+from .table import cells
+from .table import parsed
 from .table import read_rows
 from .variants import Plan
 
@@ -77,13 +79,18 @@ class Results:
         return len(self.rows)
 
     @cached_property
-    def study(self) -> Study:
-        """Definition of the study."""
+    def _defined(self) -> tuple[Study, str]:
+        """Definition of the study, and the digest of all that its table depends on."""
         try:
             about = json.loads((self.folder / STUDY).read_text(encoding="utf-8"))
-            return Study.from_dict(about["study"])
+            return Study.from_dict(about["study"]), about["digest"]
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise FileError(f"{self.folder / STUDY} cannot be read ({error}); give the folder of a study") from None
+
+    @property
+    def study(self) -> Study:
+        """Definition of the study."""
+        return self._defined[0]
 
     @cached_property
     def drawing(self) -> CGCProblem:
@@ -92,8 +99,19 @@ class Results:
 
     @cached_property
     def plan(self) -> Plan:
-        """The study applied to the drawing, which returns the problem of any variant."""
-        return Plan(self.study, self.drawing)
+        """The study applied to the drawing, which returns the problem of any variant.
+
+        Raises
+        ------
+        FileError
+            If drawing, table and study are not of one run.
+        """
+        study, digest = self._defined
+        plan = Plan(study, self.drawing)
+        starts = [[parsed(cell) for cell in cells(plan.start(k))] for k in range(len(study.variants))]
+        if study.digest(self.drawing) != digest or any(row[: len(start)] != start for row, start in zip(self.rows, starts)):
+            raise FileError(f"the files in {self.folder} are of different studies; run the study again")
+        return plan
 
     @cached_property
     def surfaces(self) -> FloatArray:

@@ -120,7 +120,7 @@ def run_study(
         if not held:
             return Results(home)
         digest = _claimed(home, study, problem)
-        table = Table(home / TABLE, home / SURFACES, plan.columns, count, len(problem.vertices))
+        table = Table(home / TABLE, home / SURFACES, plan.columns, [plan.start(k) for k in range(count)], len(problem.vertices))
         own = WorkerPool(workers, warm_up) if executor is None and workers and table.rows < count else None
         try:
             run = _Run(plan, digest, pickle.dumps((study, problem)), table, on_progress)
@@ -235,6 +235,5 @@ def _claimed(home: Path, study: Study, problem: CGCProblem) -> str:
         raise CGCError(f"{home} holds another study, or one of another version of compas_cgc; choose another folder, or delete this one")
     about = {"version": __version__, "digest": digest, "study": dict(study.data)}
     write_text(home / STUDY, json.dumps(about, indent=1, ensure_ascii=False) + "\n")
-    if known is None or not (home / DRAWING).exists():
-        io.write(home / DRAWING, problem)
+    io.write(home / DRAWING, problem)
     return digest

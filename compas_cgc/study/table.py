@@ -20,7 +20,7 @@ from ..fabrication.tables import unescaped
 from .variants import Measured
 from .writer import set_aside
 
-__all__ = ["Table", "parsed", "read_rows", "write_parquet"]
+__all__ = ["Table", "cells", "parsed", "read_rows", "write_parquet"]
 
 
 class Table:
@@ -32,8 +32,10 @@ class Table:
         The CSV file, and the ``.npy`` file of ``(variants, n, 3)`` float64 [L], NaN for variants without a surface.
     columns
         Names of the columns.
-    variants, vertices
-        Number of variants and of vertices per variant.
+    starts
+        First values of the row of every variant: its number and parameters.
+    vertices
+        Number of vertices per variant.
 
     Attributes
     ----------
@@ -41,9 +43,9 @@ class Table:
         Number of written rows.
     """
 
-    def __init__(self, path: Path, surfaces: Path, columns: Sequence[str], variants: int, vertices: int):
-        self.rows = _whole_rows(path, columns)
-        shape = (variants, vertices, 3)
+    def __init__(self, path: Path, surfaces: Path, columns: Sequence[str], starts: Sequence[Sequence[Any]], vertices: int):
+        self.rows = _whole_rows(path, columns, starts)
+        shape = (len(starts), vertices, 3)
         try:
             known = self.rows > 0 and _is_array(surfaces, shape)
             if self.rows and not known:
@@ -82,16 +84,23 @@ class Table:
 
     def _write(self, rows: Sequence[tuple]) -> None:
         text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([escaped(_text(value)) for value in row] for row in rows)
+        csv.writer(text, lineterminator="\n").writerows(map(cells, rows))
         # Write all rows at once, so that no row is partial.
         self._file.write(text.getvalue())
         self._file.flush()
 
 
-def _text(value: Any) -> Any:
+def cells(row: Sequence[Any]) -> list[str]:
+    """Return the texts of the cells of a row."""
+    return [str(escaped(_text(value))) for value in row]
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return ""
     if isinstance(value, float):
         return repr(value)
-    return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
+    return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 
 
 def _is_array(path: Path, shape: tuple[int, int, int]) -> bool:
@@ -110,8 +119,11 @@ def _reserve(path: Path, shape: tuple[int, int, int]) -> None:
             os.posix_fallocate(file.fileno(), 0, os.fstat(file.fileno()).st_size)
 
 
-def _whole_rows(path: Path, columns: Sequence[str]) -> int:
-    """Return how many rows at the beginning of a table are whole and in order, and cut off what follows them."""
+def _whole_rows(path: Path, columns: Sequence[str], starts: Sequence[Sequence[Any]]) -> int:
+    """Return how many rows at the beginning of a table are whole and in order, and cut off what follows them.
+
+    A table with rows of another study is set aside.
+    """
     try:
         content = path.read_bytes()
     except FileNotFoundError:
@@ -125,9 +137,12 @@ def _whole_rows(path: Path, columns: Sequence[str]) -> int:
         set_aside(path)
         return 0
     good = rows[:1]
-    for k, row in enumerate(rows[1:]):
-        if len(row) != len(columns) or row[0] != str(k):
+    for start, row in zip(map(cells, starts), rows[1:]):
+        if len(row) != len(columns) or row[0] != start[0]:
             break
+        if row[: len(start)] != start:
+            set_aside(path)
+            return 0
         good.append(row)
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(good)

@@ -97,6 +97,10 @@ class Plan:
         """Columns of the parameters: their names, made distinct from the measures."""
         return tuple(f"{name} asked" if name in MEASURES else name for name in self.study.names)
 
+    def start(self, variant: int) -> tuple[Any, ...]:
+        """Return the first values of the row of a variant: its number and parameters."""
+        return (variant, *self.study.variants[variant])
+
     def problem(self, variant: int) -> CGCProblem:
         """Return the problem of a variant.
 

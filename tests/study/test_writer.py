@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tempfile
 import threading
 from functools import partial
+from pathlib import Path
 
 import pytest
 
 from compas_cgc import CGCMesh
+from compas_cgc.errors import FileError
+from compas_cgc.study.results import Results
 from compas_cgc.study.run import run_study
 from compas_cgc.study.spec import Study
 from compas_cgc.study.writer import one_writer
@@ -24,12 +28,12 @@ with one_writer(Path(sys.argv[1]), bool) as held:
 """
 
 
-def small_study(count=4):
+def small_study(count=4, first=0.01, size=4):
     """Return a problem and a study of it whose variants take milliseconds."""
-    mesh = CGCMesh.from_meshgrid(dx=4, nx=4)
+    mesh = CGCMesh.from_meshgrid(dx=size, nx=4)
     mesh.set_supports("boundary")
     mesh.set_target(0.01)
-    study = Study.from_dict({"parameters": {"K": [0.01 + 0.005 * k for k in range(count)]}})
+    study = Study.from_dict({"parameters": {"K": [first + 0.005 * k for k in range(count)]}})
     return mesh, study
 
 
@@ -82,9 +86,32 @@ def flip(name, folder):
     (folder / name).write_bytes(content)
 
 
+def mix(name, folder, **other):
+    """Put a file of another study into a folder."""
+    with tempfile.TemporaryDirectory() as apart:
+        run_study(*small_study(**other), apart)
+        (folder / name).write_bytes((Path(apart) / name).read_bytes())
+
+
+MIXED = [
+    partial(mix, "table.csv", first=0.02),
+    partial(mix, "drawing.json", size=5),
+]
+
+
+@pytest.mark.parametrize("damage", [*MIXED, partial(mix, "study.json", first=0.02)])
+def test_results_with_files_of_two_studies_are_refused(tmp_path, damage):
+    run_study(*small_study(), tmp_path)
+    assert len(Results(tmp_path).plan.columns) > 3
+    damage(folder=tmp_path)
+    with pytest.raises(FileError, match="are of different studies; run the study again"):
+        Results(tmp_path).problem(0)
+
+
 @pytest.mark.parametrize(
     "damage",
     [
+        *MIXED,
         partial(cut, "table.csv", 5),
         partial(cut, "table.csv", -20),
         partial(cut, "surfaces.npy", 40),
@@ -101,6 +128,6 @@ def flip(name, folder):
 )
 def test_what_is_damaged_is_computed_again(tmp_path, whole, damage):
     run_study(*small_study(), tmp_path)
-    damage(tmp_path)
+    damage(folder=tmp_path)
     assert len(run_study(*small_study(), tmp_path)) == 4
     assert contents(tmp_path) == whole and (tmp_path / "drawing.json").exists()
