@@ -156,7 +156,9 @@ def guarded(path: Path) -> Iterator[None]:
     Damaged content can make a reader fail anywhere; the original error is kept as the cause.
     """
     try:
-        yield
+        # Damaged coordinates may overflow; the checks of the readers refuse them.
+        with np.errstate(over="ignore", invalid="ignore"):
+            yield
     except (CGCError, OSError):
         raise
     except Exception as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
@@ -54,10 +55,12 @@ def refused(read, name, sentence):
     """Check that a file is refused with a sentence, or read if there is none, within two seconds of processor time."""
     for _ in range(2):  # the first reading compiles the kernels that it needs
         started = processor_seconds()
-        if sentence is None:
-            read(FOLDER / name)
-        else:
-            with pytest.raises(CGCError, match=sentence) as found:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            if sentence is None:
                 read(FOLDER / name)
-            assert "\n" not in str(found.value)
+            else:
+                with pytest.raises(CGCError, match=sentence) as found:
+                    read(FOLDER / name)
+                assert "\n" not in str(found.value)
     assert processor_seconds() - started < 2.0 and FOREIGN not in sys.modules
