@@ -36,7 +36,8 @@ def read_stl(path: Path, tolerance: float = 0.0) -> ReadProblem:
     data = Cursor.of_file(path).data
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
     rest = len(data) - 84 - 50 * count
-    is_text = data[:80].lstrip().lower().startswith(b"solid") and b"facet" in data[:1024].lower()
+    # Headers of binary files may begin with "solid", and text files with comments; the count of a binary file holds zeros.
+    is_text = b"facet" in data[:1024].lower() and b"\0" not in data[:1024]
     notes: tuple[str, ...] = ()
     if rest == 0 or (count > 0 and rest > 0 and rest % _RECORD.itemsize and not is_text):
         with np.errstate(invalid="ignore"):  # signalling NaN

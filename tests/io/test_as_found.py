@@ -147,6 +147,12 @@ def _stl(points):
     return b"solid but binary".ljust(80) + len(FACES).to_bytes(4, "little") + corners.tobytes()
 
 
+def test_text_of_stl_may_begin_with_a_comment(loaded):
+    text = "# by hand\nsolid a # roof\n" + "".join(_facet([POINTS[k] for k in face]) for face in FACES) + "endsolid a\n"
+    assert len(loaded("a.stl", text).problem.faces) == len(FACES)
+    assert len(loaded("a.stl", _stl(POINTS).replace(b"but binary", b"facet norm")).problem.faces) == len(FACES)
+
+
 def test_stl_with_bytes_after_its_end(loaded):
     read = loaded("a.stl", _stl(POINTS) + b"\0\0")
     assert len(read.problem.vertices) == 5 and any(note.startswith("2 bytes after the last of the 4 triangles") for note in read.notes)

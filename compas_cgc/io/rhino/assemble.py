@@ -109,7 +109,7 @@ def assemble(
         laws=laws,
         drawing=Drawing(name, units, tolerance, asked.places, north),
     )
-    found = f"{counted(len(held), 'constraint')} besides K, which the method 'projection' holds"
+    found = f"the drawing has {counted(len(held), 'constraint')} besides K"
     return ReadProblem(
         problem.with_supports(fixed.tolist()),
         (*notes, *joined.notes, *support_notes, *laid.notes, *target_notes, *([found] if held else [])),

@@ -174,7 +174,17 @@ def _description() -> dict:
                         }
                     ],
                 },
-                "delete": _operation("Stop a job and delete it", {"204": {"description": "deleted"}}, "401", "404"),
+                "delete": {
+                    **_operation("Stop a job and delete it", {"204": {"description": "deleted, or to be deleted"}}, "401", "404"),
+                    "parameters": [
+                        {
+                            "name": "after",
+                            "in": "query",
+                            "schema": {"type": "number", "minimum": 0, "maximum": 3600},
+                            "description": "time [s] within which any other request for the job revokes its deletion",
+                        }
+                    ],
+                },
             },
             "/api/v1/jobs/{id}/cancel": {
                 "parameters": [_ID],

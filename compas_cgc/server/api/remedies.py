@@ -18,6 +18,7 @@ from ...model.inward_edges import dividing_creases
 from ...model.measures import has_free_edges
 from ...model.measures import inward_supports
 from ...model.problem import CGCProblem
+from ...solvers.reasons import contradiction
 
 __all__ = ["CHANGE", "REMEDIES", "TEXTS", "remedies_in", "remedies_of"]
 
@@ -38,7 +39,6 @@ CHANGE = {
     "release": {"type": "array", "items": {"type": "integer", "minimum": 0}, "description": "supported vertices to release"},
     "targets": {"type": "number", "description": "K, where one region has a target [1/L^2]"},
     "scale": {"type": "number", "description": "factor of all targets"},
-    "limit": {"const": True, "description": "search for the largest feasible K, and use a little less"},
     "unknown": {"const": "all"},
     "without": {"type": "string", "description": "kind of a goal to remove"},
     "creases": {
@@ -68,7 +68,6 @@ TEXTS: dict[str, Callable[[Any], str]] = {
     "release": lambda vertices: f"Free {'vertex' if len(vertices) == 1 else 'vertices'} {', '.join(map(str, vertices))}",
     "targets": "Set K = {:g}".format,
     "scale": lambda factor: {HALF: "Halve K", -1.0: "Reverse the sign of K"}.get(factor, f"Reduce K to {100.0 * factor:.2g} %"),
-    "limit": lambda _: "Set the largest feasible K",
     "unknown": lambda _: "Let K be found",
     "without": lambda kind: f"Remove the {GOALS.get(kind, kind)}",
     "creases": lambda lines: "Draw a crease from the inward corner" if len(lines) == 1 else "Draw creases from the inward corners",
@@ -84,7 +83,9 @@ def remedies_in(messages: Iterable[str]) -> list[dict]:
 
 
 def remedies_of(problem: CGCProblem, result: SolveResult, messages: Iterable[str] = ()) -> list[dict]:
-    """Return the remedies for a solve without a fair surface: those of its messages, then the usual ones.
+    """Return the remedies for a solve without a fair surface, those of its certain causes first.
+
+    A smaller K is proposed where no message names a cause: for such surfaces, the solve has searched what the supports carry.
 
     Parameters
     ----------
@@ -96,19 +97,23 @@ def remedies_of(problem: CGCProblem, result: SolveResult, messages: Iterable[str
         Further messages, such as those of the check.
     """
     found = [own for message in (result.ending, *result.verdict.reasons, *messages) for own in getattr(message, "remedies", ())]
-    known = any(field == "scale" and value != HALF for field, value in found)
-    return _as_data([*found, *_usual(problem, known)])
-
-
-def _usual(problem: CGCProblem, known: bool) -> Iterator[Remedy]:
-    """Yield what often helps; `known` is whether a message states how much smaller K must be."""
+    causes = list(_corners(problem))
+    others = [own for own in found if own != HALVED]
     targets = problem.targets[problem.asked]
-    if (targets > 0.0).all() and (inward := inward_supports(problem)):
+    if not causes and not contradiction(problem) and not any(field in ("scale", "targets") for field, _ in others):
+        others = [*found, *([HALVED] if np.isfinite(targets).all() and targets.any() else [])]
+    return _as_data([*causes, *others, *_usual(problem)])
+
+
+def _corners(problem: CGCProblem) -> Iterator[Remedy]:
+    """Yield the remedies for inward corners, which a surface of K > 0 can rarely pass, of any size of K."""
+    if (problem.targets[problem.asked] > 0.0).all() and (inward := inward_supports(problem)):
         yield Remedy("release", inward)
     yield from dividing_creases(problem.without_dummies())
-    if np.isfinite(targets).all() and targets.any() and not known:
-        yield Remedy("limit", True)
-        yield HALVED
+
+
+def _usual(problem: CGCProblem) -> Iterator[Remedy]:
+    """Yield what often helps."""
     if has_free_edges(problem):
         yield Remedy("supports", "boundary")
     yield FINER

@@ -60,6 +60,7 @@ __all__ = ["api"]
 
 api = Blueprint("api", __name__)
 LONGEST_WAIT = 25.0  # seconds
+LONGEST_LEAVE = 3600.0  # seconds
 SMALL = 2**19  # size of a result encoded in this process instead of a worker [bytes]; about 4,000 vertices
 SMALL_PACKED = 2**21  # the same for packed arrays; about 14,000 vertices
 
@@ -228,8 +229,8 @@ def cancel(id: str) -> Response:
 
 @api.delete("/api/v1/jobs/<id>")
 def delete(id: str) -> Response:
-    """Stop a job and delete it."""
-    jobs().delete(id)
+    """Stop a job and delete it; with ``after``, unless it is requested again within that time [s]."""
+    jobs().delete(id, min(request.args.get("after", 0.0, type=float), LONGEST_LEAVE))
     return Response(status=204)
 
 

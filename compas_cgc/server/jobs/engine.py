@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Iterator
 from collections.abc import Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import IO
 from typing import Any
 from typing import Callable
@@ -114,6 +115,8 @@ class Jobs:
         self._lost: dict[str, Job] = {}
         # Deleted jobs that could not be removed from the store yet.
         self._forgotten: set[str] = set()
+        # Jobs that are deleted at a time of the monotonic clock, unless a client asks for them before.
+        self._expiring: dict[str, float] = {}
         self._took: deque[float] = deque(maxlen=50)  # durations of the last jobs [s]
         self.finished: Counter[str] = Counter()
         self.seconds = 0.0
@@ -199,12 +202,20 @@ class Jobs:
         """Return the job with this id; None if there is none, and room for it."""
         self._forget()
         known = self._found(owned_id(owner, id)) if id is not None else None
-        if known is None:
+        if known is not None:
+            self._expiring.pop(known.id, None)
+        else:
             self.admit(client)
             self._check_room(owner, size)
         return known
 
     def get(self, id: str) -> Job:
+        """Return a job with its current progress. A job that a client asks for is not deleted later, see :meth:`delete`."""
+        with self._change:
+            self._expiring.pop(id, None)
+            return self._current(id)
+
+    def _current(self, id: str) -> Job:
         """Return a job with its current progress."""
         with self._change:
             job = self._found(id)
@@ -275,9 +286,26 @@ class Jobs:
                 self._abandon(id, running, "cancelled", f"stopped: {CANCELLED}")
         return self.get(id)
 
-    def delete(self, id: str) -> None:
-        """Stop a job and delete it."""
+    def delete(self, id: str, after: float = 0.0) -> None:
+        """Stop a job and delete it.
+
+        Parameters
+        ----------
+        id
+            The job.
+        after
+            Time [s] within which any other request for the job revokes its deletion. A server that restarts meanwhile keeps the job.
+
+        Raises
+        ------
+        NotFound
+            If there is no such job.
+        """
         self.get(id)
+        if after > 0.0:
+            with self._change:
+                self._expiring[id] = time.monotonic() + after
+            return
         with self._change:
             # Deleting must work on a full disk: the store is updated when there is room.
             self._forgotten.add(id)
@@ -298,7 +326,7 @@ class Jobs:
             self._change.wait_for(lambda: self._closed or id not in self._running, seconds)
             if self._closed:
                 raise ServerStopping("the server is shutting down; try again after it has restarted")
-        return self.get(id)
+        return self._current(id)
 
     def follow(self, id: str, heartbeat: float = 15.0) -> Iterator[Optional[Job]]:
         """Yield a job after every change until it is finished, and None after every `heartbeat` seconds without a change."""
@@ -318,7 +346,7 @@ class Jobs:
                 if self._closed or self._found(id) is None:
                     return
                 seen = self._running[id].changes if id in self._running else -1
-                job = self.get(id) if happened else None
+                job = self._current(id) if happened else None
 
     def admit(self, client: str) -> None:
         """Check that the queue has room for another job.
@@ -369,7 +397,7 @@ class Jobs:
         return problems
 
     def _maintain(self) -> None:
-        """Now and then delete what is too old, give free space back to the disk, and end what plain executors do not."""
+        """Delete what clients have left or what is too old, give free space back to the disk, and end what plain executors do not."""
         due = time.monotonic() + MAINTENANCE_INTERVAL
         while True:
             with self._change:
@@ -391,6 +419,10 @@ class Jobs:
                     and not isinstance(running.task, Task)
                     and time.monotonic() - running.since > self.limits.seconds
                 ]
+                left = [id for id, end in self._expiring.items() if time.monotonic() >= end]
+            for id in left:
+                with suppress(NotFound):
+                    self.delete(id)
             for id, running in late:
                 self._abandon(id, running, "failed", f"stopped: it exceeded the time limit of {self.limits.seconds:g} s")
             if time.monotonic() >= due:

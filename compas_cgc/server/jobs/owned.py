@@ -79,9 +79,9 @@ class OwnedJobs:
         """Request that a job stop."""
         return self._jobs.cancel(self._id(id)).shown()
 
-    def delete(self, id: str) -> None:
-        """Stop a job and delete it."""
-        self._jobs.delete(self._id(id))
+    def delete(self, id: str, after: float = 0.0) -> None:
+        """Stop a job and delete it, at once or unless it is requested within a time [s]."""
+        self._jobs.delete(self._id(id), after)
 
     def wait(self, id: str, seconds: float) -> Job:
         """Wait until a job is finished, at most for the given time [s], and return it."""

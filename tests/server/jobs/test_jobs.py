@@ -255,6 +255,18 @@ def test_progress_is_told_to_followers_and_cancel_ends_them(jobs):
     assert unpack_result(jobs.result(job.id))[0].status == "cancelled"
 
 
+def test_a_request_for_a_job_revokes_its_later_deletion(jobs):
+    left, asked, sent = (jobs.submit(*endless(), id=f"job-{name}")[0] for name in ("left", "asked", "sent-again"))
+    for job in (left, asked, sent):
+        jobs.delete(job.id, after=0.5)
+    assert len(jobs.list()) == 3
+    jobs.wait(asked.id, 0.0)
+    assert jobs.submit(*endless(), id=sent.id) == (jobs.get(sent.id), False)
+    wait_for(lambda: left.id not in {job.id for job in jobs.list()})
+    time.sleep(2.0)  # as long as two rounds of maintenance
+    assert {job.id for job in jobs.list()} == {asked.id, sent.id} and not jobs.get(asked.id).over
+
+
 def test_a_refused_solve_fails_with_the_sentence_of_the_check(jobs):
     job, _ = jobs.submit(*body(targets=100.0))
     wait_for(lambda: jobs.get(job.id).over)

@@ -197,6 +197,17 @@ def test_a_reload_finds_the_job_and_its_result_again(open_server, tmp_path, roof
         assert hands.shown("#rationalise.bare") and wait_for(lambda: not own_jobs(), what="the job stays on the server")
 
 
+def test_a_tab_that_is_closed_for_good_leaves_no_job(open_server, tmp_path, roof):
+    before = {own["id"] for own in open_server.client.jobs()}
+    with open_hands("chromium", tmp_path) as hands:
+        given(hands, open_server, roof)
+        hands.fill("[name=panel]", "0,2")
+        [job] = wait_for(lambda: [own for own in open_server.client.jobs() if own["id"] not in before], what="no job")
+        hands.open("about:blank")
+        assert job["id"] in {own["id"] for own in open_server.client.jobs()}, "it may be a reload"
+    wait_for(lambda: job["id"] not in {own["id"] for own in open_server.client.jobs()}, what="the job stays on the server")
+
+
 def test_a_job_goes_on_when_its_server_is_killed_and_started_again(tmp_path, roof):
     port, store = free_port(), tmp_path / "jobs.sqlite"
     with open_hands("chromium", tmp_path) as hands:

@@ -39,7 +39,7 @@ def test_a_button_of_the_verdict_mends_a_rough_surface(tmp_path):
         solve_opened(server, hands, OPEN, SKETCH, 0.025)
         wait_for(lambda: hands.text(".verdict h2") == "Rough" and not hands.shown(BUSY), what="the surface is not rough")
         buttons = hands.read("return [...document.querySelectorAll('.remedies button')].map((each) => each.textContent)")
-        # The message names how much the supports carry, so that no search is offered.
+        # The message names how much the supports carry.
         assert re.match(r"Reduce K to \d+ %", buttons[0]) and "Support the whole edge" in buttons, buttons
         assert "Mesh finer" not in buttons, "there is no drawing to mesh"
         hands.click(".remedies button")

@@ -188,9 +188,10 @@ export class Api {
   /**
    * Stop and delete a job; also works while the page is closing.
    * @param {string} id
+   * @param {number} [after] time within which any other request for the job revokes this [s]
    */
-  async forget(id) {
-    await this.request(`api/v1/jobs/${id}`, { method: 'DELETE', keepalive: true });
+  async forget(id, after = 0) {
+    await this.request(`api/v1/jobs/${id}${after ? `?after=${after}` : ''}`, { method: 'DELETE', keepalive: true });
   }
 
   /**

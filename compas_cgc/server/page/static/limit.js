@@ -29,7 +29,7 @@ export class Limit {
     this.said.hidden = true;
   }
 
-  /** @returns {Promise<?number>} factor of the present targets, null if none was found */
+  /** Search, and mark what is found. */
   async find() {
     this.clear();
     const search = new AbortController();
@@ -42,13 +42,11 @@ export class Limit {
         lost: () => this.search === search && (this.said.textContent = LOST),
       });
       this.api.forget(found.id).catch(() => {});
-      if (this.search !== search) return null;
+      if (this.search !== search) return;
       this.regions.mark(found.status === 'found' ? this.regions.targets.map((K) => (K ? K * found.factor : null)) : null);
       this.said.textContent = capital(found.message);
-      return found.status === 'found' ? found.factor : null;
     } catch (error) {
       if (error.name !== 'AbortError') this.said.textContent = capital(error.message);
-      return null;
     }
   }
 }

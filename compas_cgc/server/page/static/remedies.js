@@ -3,7 +3,6 @@
 import { heldIn, withChoice, withGoals, withHeld } from './design/edits.js';
 import { requestOf } from './draw/plan.js';
 
-const MARGIN = 0.95; // of the largest feasible K, as it is found within 5 %
 const DIGITS = 3; // of changed numbers
 const WISHES = { rise: { rise: null, found: false }, above: { above: null }, below: { below: null }, clearance: { boxes: [] }, 'edge in plan': { edge: false } };
 
@@ -57,12 +56,6 @@ function actOf(studio, change) {
   };
   if (change.edge_length || change.edge_scale || change.creases) return meshing(studio, change);
   if (!studio.data) return null;
-  if (change.limit) {
-    return async () => {
-      const factor = await studio.limit.find();
-      if (factor) solve(changed(studio.data, { scale: Math.min(1, factor) * MARGIN }));
-    };
-  }
   return changed(studio.data, change) && (() => solve(changed(studio.data, change)));
 }
 

@@ -83,7 +83,6 @@ export interface Remedy {
     release?: number[];
     targets?: number;
     scale?: number;
-    limit?: boolean;
     unknown?: string;
     without?: string;
     creases?: number[][][];

@@ -14,6 +14,7 @@ import { Stops } from './stops.js';
 const PANELS = 12; // along the longer side by default, as on the server
 const PAUSE = 400; // time after the last change of the slider before it solves [ms]
 const LARGEST = 64 * 2 ** 20; // bytes
+const RELOAD = 60; // time after which a page that was left is not a reload [s]
 
 /** @typedef {import('./jobs.js').Told} Told */
 
@@ -132,7 +133,7 @@ export class Rationaliser {
     if (file) await this.take(file, kept);
   }
 
-  /** The page is left: keep what a reload needs, and delete the other results. */
+  /** The page is left: keep what a reload needs, for as long as a reload takes, and delete the other results. */
   leave(persisted) {
     // A design that is still being read again stays as it was kept.
     if (!this.design) return;
@@ -143,6 +144,7 @@ export class Rationaliser {
     if (persisted) return;
     if (!stored) this.jobs.halt();
     this.jobs.forget(job?.id);
+    if (job) this.api.forget(job.id, RELOAD).catch(() => {});
   }
 
   // ---------------------------------------------------------- the fields

@@ -14,6 +14,8 @@ export function rationaliseDoor(dialog, api, { open, say }) {
   /** @type {?Promise<import('./dialog.js').Rationaliser>} */
   let made = null;
   let left = kept();
+  // The page before deletes its job unless it is requested again.
+  if (left?.job) api.status(left.job.id).catch(() => {});
   const leave = () => {
     if (left?.job) api.forget(left.job.id).catch(() => {});
     left = null;
