@@ -14,7 +14,6 @@ from scipy.spatial import cKDTree
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
-from ..discrete.plan import flattened
 from ..errors import MeshError
 from ..errors import Remedy
 from ..errors import Sentence
@@ -64,9 +63,9 @@ def mesh_from_outline(
     outline
         ``(k, 3)`` points around the boundary; the first may be repeated at the end [L].
     holes
-        Outlines of holes, in the same form.
+        Outlines of holes, in the same form; those whose heights are NaN follow the surface between the other curves.
     creases
-        ``(k, 3)`` points along each crease; parts outside are ignored [L].
+        ``(k, 3)`` points along each crease, heights as for holes; parts outside are ignored [L].
     edge_length
         Target edge length [L].
     tolerance
@@ -124,6 +123,7 @@ def mesh_from_outline(
     on = cKDTree(on_curves).query(plan)[0] <= 1e-9 * edge_length
     heights = np.zeros(len(plan))
     heights[on] = _heights_on_curves(plan[on], [outline, *holes, *creases])
+    on &= np.isfinite(heights)
     known = on.copy()
     if len(laid.loose) and given[:, 2].any():
         at = cKDTree(plan).query(laid.loose)[1]
@@ -292,13 +292,11 @@ def _closed(ring: FloatArray, tolerance: float) -> FloatArray:
 
 def _heights_on_curves(plan: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:
     """Return the heights of the curves at points (k, 2), of the first curve at crossings (k,) [L]."""
-    flat = flattened(plan)
     distances, heights = [], []
-    for curve in curves:
-        under = np.asarray(curve) * [1.0, 1.0, 0.0]
-        gap, position = nearest_on_polyline(flat, under)
+    for curve in (np.asarray(own) for own in curves):
+        gap, position = nearest_on_polyline(plan, curve[:, :2])
         distances.append(gap)
-        heights.append(np.interp(position, arc_lengths(under), np.asarray(curve)[:, 2]))
+        heights.append(np.interp(position, arc_lengths(curve[:, :2]), curve[:, 2]))
     gaps = np.array(distances)
     first = np.argmax(gaps <= gaps.min(axis=0) + 1e-9 * np.ptp(plan), axis=0)
     return np.array(heights)[first, np.arange(len(plan))]

@@ -26,6 +26,7 @@ from .chart import fitted_surface
 from .rims import rims_of_closed
 from .spline_surface import SplineSurface
 from .unwrapping import Unwrapped
+from .unwrapping import refuse_parts
 from .unwrapping import unwrapped
 
 __all__ = ["Design", "DesignInput", "GivenDesign", "given_design", "read_design"]
@@ -214,6 +215,7 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
     if not float(face_areas(vertices, faces).sum()) > EPS * size**2:
         raise MeshError("the design has no area: all its vertices lie on a line; give a surface")
     wanted = min(TOLERANCE * size, limit) if tolerance is None else tolerance
+    refuse_parts(vertices, faces)
     chart = chart_of(vertices, faces)
     if chart is not None:
         over = Unwrapped(chart.to_local(vertices[used])[:, :2], used, np.full(2, np.inf), (False, False), tuple(boundary_loops(faces)))

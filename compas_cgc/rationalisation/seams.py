@@ -14,6 +14,8 @@ from ..errors import CGCError
 from ..errors import MeshError
 from ..meshing.kinks import sharp_parameters
 from ..meshing.polyline import resample_all
+from ..model.lengths import place_text
+from ..model.lengths import unit_suffix
 from .curve_panels import Lengths
 from .curve_panels import curve_panels
 from .curve_panels import parameter_rim
@@ -151,8 +153,12 @@ def _on_surface(design: Design, plane: Lengths, line: FloatArray, edge: float) -
     # A curve that is drawn beyond the rim counts up to it.
     on = np.flatnonzero(away <= AWAY * edge)
     within = slice(on[0], on[-1] + 1) if len(on) else slice(None)
-    if away[within].max() > AWAY * edge:
-        raise MeshError(f"a seam is up to {away[within].max():.3g} away from the design; draw it on the surface, or project it there")
+    farthest = int(np.argmax(away[within]))
+    if away[within][farthest] > AWAY * edge:
+        unit, place = unit_suffix(design.drawing.units), place_text(fine[within][farthest], design.surface.size)
+        raise MeshError(
+            f"a seam is {away[within][farthest]:.3g}{unit} away from the design at {place}; draw it on the surface, or project it there"
+        )
     return found[within]
 
 

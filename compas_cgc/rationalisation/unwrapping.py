@@ -19,7 +19,7 @@ from ..errors import MeshError
 from ..linalg import factorise
 from ..meshing.boundary import boundary_loops
 
-__all__ = ["Unwrapped", "contiguous", "unwrapped"]
+__all__ = ["Unwrapped", "contiguous", "refuse_parts", "unwrapped"]
 
 LARGEST_SCALE = 3.0  # of lengths of a conformal map, from which a surface closes so far that a pole and a rim describe it better
 SECOND = 0.25  # of the longest rim, from which the second longest is an end of a tube and not a hole
@@ -37,6 +37,20 @@ class Unwrapped(NamedTuple):
     rims: tuple[IntArray, ...]  # loops of vertices that are not sides of the parameters; holes only where a parameter closes
 
 
+def refuse_parts(vertices: FloatArray, faces: IntArray) -> None:
+    """Check that a mesh is connected.
+
+    Raises
+    ------
+    MeshError
+        If it has several parts.
+    """
+    single = len(vertices) - len(np.unique(faces))  # vertices without a face
+    parts = connected_components(_graph(edge_faces(faces), len(vertices)))[0] - single
+    if parts > 1:
+        raise MeshError(f"the design has {parts} parts that are not joined; join them, or rationalise one part at a time")
+
+
 def unwrapped(vertices: FloatArray, faces: IntArray) -> Unwrapped:
     """Return parameters of a mesh by its topology.
 
@@ -47,17 +61,14 @@ def unwrapped(vertices: FloatArray, faces: IntArray) -> Unwrapped:
     Raises
     ------
     MeshError
-        If the surface has several parts, several handles, or is not orientable.
+        If the surface has several handles, or is not orientable.
 
     References
     ----------
     Levy, Petitjean, Ray, Maillot, *Least squares conformal maps*, 2002, doi:10.1145/566654.566590. Gu, Yau, *Global conformal
     surface parameterization*, 2003.
     """
-    used = np.unique(faces)
-    n, edges, loops = len(used), edge_faces(faces), boundary_loops(faces)
-    if connected_components(_graph(edges, len(vertices)))[0] > 1 + len(vertices) - n:
-        raise MeshError("the design has several parts that are not joined; join them, or rationalise one part at a time")
+    n, edges, loops = len(np.unique(faces)), edge_faces(faces), boundary_loops(faces)
     handles = (2 - len(loops) - (n - len(edges) + len(faces))) / 2
     if handles < 0:
         raise MeshError("faces of the design meet at single vertices, or three at an edge; repair the mesh, or rationalise its parts")

@@ -53,6 +53,12 @@ def test_a_grid_is_cut_at_the_rim(plate):
     assert (edges[:, 2] >= 0).all()
 
 
+def test_a_seam_away_from_the_design_is_refused_with_its_place():
+    design = read_design(mesh_over(heights, 10.0, 8.0, 1.0))
+    with pytest.raises(MeshError, match=r"a seam is .* away from the design at \(5, .*, 30\); draw it on the surface"):
+        panels_of(design, None, None, [np.array([[5.0, 1.0, heights(5.0, 1.0)], [5.0, 4.0, 30.0], [5.0, 7.0, heights(5.0, 7.0)]])])
+
+
 def test_level_lines_run_half_way_between_clusters_of_the_curvature():
     design = read_design(mesh_over(bumpy("soft", 1), edge=1.0))
     lines = level_seams(design.surface, 3)

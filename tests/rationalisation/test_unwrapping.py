@@ -14,6 +14,8 @@ from compas_cgc.rationalisation import read_design
 from compas_cgc.rationalisation.seams import panels_of
 from compas_cgc.rationalisation.unwrapping import unwrapped
 
+from ..support.shapes import grid
+
 
 def rolled(shape, m: int, n: int, around: bool = True, along: bool = False, poles: bool = False):
     """Return the triangles of a surface over m by n squares of the unit square, closed or not."""
@@ -173,8 +175,10 @@ def test_a_nearly_closed_design_is_a_tube_to_a_pole():
 
 def test_what_cannot_be_unwrapped_is_refused_with_the_cause():
     vertices, faces = rolled(tower, 24, 8)
-    with pytest.raises(MeshError, match="several parts"):
-        read_design((np.concatenate([vertices, vertices + [20.0, 0.0, 0.0]]), np.concatenate([faces, faces + len(vertices)])))
+    level = grid(3)
+    for V, F in ((vertices, faces), level):  # the second one lies over its plan
+        with pytest.raises(MeshError, match="2 parts that are not joined"):
+            read_design((np.concatenate([V, V + [20.0, 0.0, 0.0]]), np.concatenate([F, F + len(V)])))
     corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     with pytest.raises(MeshError, match="too few faces|deviates"):

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Optional
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
@@ -15,7 +14,9 @@ from ...meshing.chains import chains
 from ...meshing.outline import Outlined
 from ...meshing.outline import mesh_from_outline
 from ...meshing.outline import own_plane
+from ...meshing.polyline import arc_lengths
 from ...meshing.polyline import nearest_on_polyline
+from ...meshing.polyline import point_at
 from ...model.counts import counted
 from .curves import EDGE_ACCURACY
 from .curves import curve_points
@@ -29,6 +30,7 @@ from .user_text import user_law
 __all__ = ["outline_part", "outlined"]
 
 COINCIDENCE = 0.01  # distance below which outlines coincide, relative to the edge length
+FOLLOWING = np.array([1.0, 1.0, np.nan])  # factor of curves whose heights are not known
 
 
 def outline_part(found: Selection, edge_length: Optional[float], tolerance: float) -> MeshedSurface:
@@ -113,8 +115,13 @@ def outlined(
     lifted = [_lifted(ring, columns, edge_length) for ring in rings]
     count = sum(number for _, number in lifted)
     lines = [crease for crease in creases if len(crease.points) > 1]
-    parts = _parts([ring for ring, _ in lifted])
-    meshes = [mesh_from_outline(own[0], own[1:], [crease.points for crease in lines], edge_length, tolerance, columns) for own in parts]
+    bounds, folds = [ring for ring, _ in lifted], [crease.points for crease in lines]
+    if count and np.ptp(np.concatenate([*rings, *folds])[:, 2]) <= COINCIDENCE * edge_length:
+        # The heights of a plan mean nothing once its supports have others: curves without supports follow the surface between them.
+        bounds = [ring if number else ring * FOLLOWING for ring, number in lifted]
+        folds = [points * FOLLOWING for points in folds]
+    parts = _parts(bounds)
+    meshes = [mesh_from_outline(own[0], own[1:], folds, edge_length, tolerance, columns) for own in parts]
     made = _together(meshes)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
     holes = len(rings) - len(parts)
@@ -123,7 +130,7 @@ def outlined(
     note = f"a mesh with edges of about {edge_length:g} was generated from {whole}{within}"
     twice = ["duplicate outlines were used once"] if len(rings) < len(drawn) else []
     if count:
-        twice.append(f"{count} corner{'s were' if count > 1 else ' was'} moved to the height of the support above or below")
+        twice.append(f"the outline was moved to the height of the support above or below it at {counted(count, 'place')}")
     beside = [
         f"{crease.label} lies outside the outline and was ignored"
         for crease in lines
@@ -148,7 +155,7 @@ def _parts(rings: Sequence[FloatArray]) -> list[list[FloatArray]]:
     import shapely
 
     parts = list[list[FloatArray]]()
-    for ring in sorted(rings, key=lambda points: -_area(points)):
+    for ring in sorted(rings, key=lambda points: -shapely.Polygon(points[:, :2]).area):
         around = next((own for own in parts if shapely.Polygon(own[0][:, :2]).intersects(shapely.LineString(ring[:, :2]))), None)
         if around is None:
             parts.append([ring])
@@ -187,21 +194,31 @@ def _once(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> list[
 
 
 def _lifted(ring: FloatArray, columns: FloatArray, edge_length: float) -> tuple[FloatArray, int]:
-    """Return an outline (k, 3) with corners at the height of points exactly above or below them, and the number of these corners.
+    """Return an outline (k, 3) through the points exactly above or below it, and the number of places that were moved.
 
-    Sides beside a corner are longer than an edge; shorter ones are parts of a curve, on which one point would make a spike.
+    Heights change evenly between such points, and between them and other corners, which stay. Sides beside a corner are longer than
+    an edge; shorter ones are parts of a curve.
     """
-    if not len(columns):
+    arcs, reach = arc_lengths(ring[:, :2]), COINCIDENCE * edge_length
+    distance, at = nearest_on_polyline(columns[:, :2], ring[:, :2])
+    at, first = np.unique(at[distance <= reach], return_index=True)
+    rise = columns[distance <= reach, 2][first] - np.interp(at, arcs, ring[:, 2])
+    count = int(np.count_nonzero(np.abs(rise) > reach))
+    if not count:
         return ring, 0
-    corners, reach = ring[:-1].copy(), COINCIDENCE * edge_length
-    distance, nearest = cKDTree(columns[:, :2]).query(corners[:, :2])
-    ahead = np.linalg.norm(np.diff(ring, axis=0), axis=1)
-    moved = (distance <= reach) & (np.abs(columns[nearest, 2] - corners[:, 2]) > reach)
-    moved &= np.minimum(ahead, np.roll(ahead, 1)) > edge_length
-    if not moved.any():
-        return ring, 0
-    corners[moved, 2] = columns[nearest[moved], 2]
-    return np.concatenate([corners, corners[:1]]), int(np.count_nonzero(moved))
+    ahead = np.diff(arcs)
+    corners = arcs[:-1][np.minimum(ahead, np.roll(ahead, 1)) > edge_length]
+    stay = corners[_apart(corners, at, arcs[-1]) > reach]
+    places = np.sort(np.concatenate([arcs, at[_apart(at, arcs, arcs[-1]) > reach]]))
+    moved = point_at(ring, places) if len(places) > len(ring) else ring.copy()
+    moved[:, 2] += np.interp(places, np.concatenate([at, stay]), np.concatenate([rise, 0.0 * stay]), period=arcs[-1])
+    return moved, count
+
+
+def _apart(positions: FloatArray, others: FloatArray, period: float) -> FloatArray:
+    """Return the distances of arc lengths (n,) from the nearest of others (m,) along a closed curve."""
+    off = np.abs(positions[:, None] - others)
+    return np.minimum(off, period - off).min(axis=1, initial=np.inf)
 
 
 def _pieces(made: Outlined, creases: Sequence[Drawn]) -> list[Drawn]:

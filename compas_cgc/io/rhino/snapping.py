@@ -76,7 +76,7 @@ def find_supports(drawn: list[Drawn], vertices: FloatArray, tolerance: float, un
     supports = np.unique(np.array(chosen, dtype=np.int64))
     notes = [f"{len(supports)} vertices are supports"] if len(supports) else []
     if not drawn:
-        notes.append("there are no supports: put points at vertices on the layer CGC::Supports, or fix the whole boundary")
+        notes.append("there are no supports: draw points (in a .3dm on the layer CGC::Supports), or fix the whole boundary")
     return supports, notes, [Diagnostic(text) for text in diagnostics]
 
 

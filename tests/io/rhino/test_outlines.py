@@ -15,6 +15,7 @@ from compas_cgc.errors import FileError
 from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino.outlines import outlined
+from compas_cgc.io.rhino.sketch import Drawn
 
 from ...support.rhino_models import Sketch
 from ...support.rhino_models import point3d
@@ -173,15 +174,29 @@ def test_supports_over_corners_lift_the_outline(mesher):
     columns = np.array([[0, 0, 3], [10, 10, 2], [10, 0, 0], [5, 5, 4]], float)
     made = outlined([("outline", SQUARE)], [], columns, 1.0, 1e-3)
     vertices = made.part.vertices
-    assert any("2 corners were moved to the height of the support" in note for note in made.notes)
+    assert any("moved to the height of the support above or below it at 2 places" in note for note in made.notes)
     for column in columns:
         assert np.linalg.norm(vertices - column, axis=1).min() < 1e-9
     # Sides between corners stay straight.
     side = vertices[np.abs(vertices[:, 1]) < 1e-9]
     assert np.allclose(side[:, 2], 3.0 - 0.3 * side[:, 0])
-    # A support over a curve is no corner: its outline stays level.
+    # In a plan, curves without supports follow the surface between the supports.
+    crease = Drawn("crease", "curve", np.array([[2, 0, 0], [2, 10, 0]], float), None, {})
+    rims = [("outline", SQUARE), ("hole", 0.3 * SQUARE + [4, 4, 0])]
+    made = outlined(rims, [crease], SQUARE[:4] + [0, 0, 3], 1.0, 1e-3)
+    assert (made.part.vertices[:, 2] == 3.0).all() and len(made.creases) == 1
+    made = outlined(rims, [crease], np.array([[0, 0, 3], [10, 0, 3], [10, 10, 0], [0, 10, 0]], float), 1.0, 1e-3)
+    assert np.allclose(made.part.vertices[:, 2], 3.0 - 0.3 * made.part.vertices[:, 1])
+    # Within a side a support kinks the outline.
+    made = outlined([("outline", SQUARE)], [], np.array([[4, 0, 2], [0, 10, 1]], float), 1.0, 1e-3)
+    side = made.part.vertices[np.abs(made.part.vertices[:, 1]) < 1e-9]
+    assert np.allclose(side[:, 2], np.interp(side[:, 0], [0, 4, 10], [0, 2, 0])) and (side[:, 0] == 4.0).any()
+    # A curve is no corner: an outline with one support stays level.
     angle = np.linspace(0, 2 * np.pi, 200)
     circle = np.column_stack([5 * np.cos(angle), 5 * np.sin(angle), 0 * angle])
     circle[-1] = circle[0]
     made = outlined([("outline", circle)], [], np.array([[5.0, 0, 3]]), 1.0, 1e-3)
-    assert not np.ptp(made.part.vertices[:, 2])
+    assert (made.part.vertices[:, 2] == 3.0).all()
+    made = outlined([("outline", circle)], [], np.array([[5.0, 0, 3], [-5.0, 0, 1]]), 1.0, 1e-3)
+    rim = made.part.vertices[np.linalg.norm(made.part.vertices[:, :2], axis=1) > 4.99]
+    assert np.allclose(rim[:, 2], 3.0 - 2.0 * np.arctan2(np.abs(rim[:, 1]), rim[:, 0]) / np.pi, atol=2e-3)

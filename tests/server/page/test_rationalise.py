@@ -10,6 +10,12 @@ from pathlib import Path
 import pytest
 import rhino3dm
 
+from compas_cgc.discrete.nurbs import NurbsPatch
+from compas_cgc.io.occt import opencascade
+from compas_cgc.io.opencascade import step_content
+from compas_cgc.io.opencascade import untrimmed_face
+from compas_cgc.rationalisation import read_design
+
 from ...support.freeform import nurbs_file
 from ...support.hands import open_hands
 from ...support.server_process import free_port
@@ -125,6 +131,19 @@ def test_a_design_becomes_a_roof_of_few_moulds(open_server, tmp_path, roof, brow
         assert not hands.shown("#rationalise") and "15 regions" in hands.text("#about") and hands.complaints() == []
 
 
+@pytest.mark.parametrize("browser", ("chromium", "firefox"))
+def test_a_step_file_in_millimetres_becomes_panels(open_server, tmp_path, roof, browser):
+    pytest.importorskip("compas_occt")
+    drawn = read_design(tmp_path / roof[0]).surface
+    content = step_content(untrimmed_face(opencascade(), NurbsPatch(drawn.control, drawn.knots, drawn.degrees).scaled(1e3)), "hall")
+    with open_hands(browser, tmp_path) as hands:
+        given(hands, open_server, ("hall.step", base64.b64encode(content).decode("ascii")))
+        assert "12000 × 8000 ×" in hands.text("#rationalise-file-facts") and hands.text("#rationalise-form .unit.length") == "in mm"
+        hands.fill("[name=panel]", "2500")
+        wait_for(lambda: "15 panels on 4 moulds" in hands.text(HEAD), what=f"no result: {hands.text('#rationalise-trouble')}")
+        assert figure(hands, 0).endswith("mm") and float(figure(hands, 0).split()[0]) < 50.0 and hands.complaints() == []
+
+
 def test_a_job_is_stopped_and_wrong_files_and_numbers_get_a_sentence(open_server, tmp_path, roof):
     with open_hands("chromium", tmp_path) as hands:
         given(hands, open_server, roof)
@@ -203,9 +222,14 @@ def test_a_tab_that_is_closed_for_good_leaves_no_job(open_server, tmp_path, roof
         given(hands, open_server, roof)
         hands.fill("[name=panel]", "0,2")
         [job] = wait_for(lambda: [own for own in open_server.client.jobs() if own["id"] not in before], what="no job")
-        hands.open("about:blank")
+        tab = hands.window.current_window_handle
+        hands.window.switch_to.new_window("tab")
+        blank = hands.window.current_window_handle
+        hands.window.switch_to.window(tab)
+        hands.window.close()
+        hands.window.switch_to.window(blank)
         assert job["id"] in {own["id"] for own in open_server.client.jobs()}, "it may be a reload"
-    wait_for(lambda: job["id"] not in {own["id"] for own in open_server.client.jobs()}, what="the job stays on the server")
+        wait_for(lambda: job["id"] not in {own["id"] for own in open_server.client.jobs()}, what="the job stays on the server")
 
 
 def test_a_job_goes_on_when_its_server_is_killed_and_started_again(tmp_path, roof):

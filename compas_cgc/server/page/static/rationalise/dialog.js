@@ -15,6 +15,7 @@ const PANELS = 12; // along the longer side by default, as on the server
 const PAUSE = 400; // time after the last change of the slider before it solves [ms]
 const LARGEST = 64 * 2 ** 20; // bytes
 const RELOAD = 60; // time after which a page that was left is not a reload [s]
+const CACHED = 600; // time for which browsers cache a page that was left, to go back to it [s]
 
 /** @typedef {import('./jobs.js').Told} Told */
 
@@ -63,6 +64,7 @@ export class Rationaliser {
       this.start();
     });
     window.addEventListener('pagehide', ({ persisted }) => this.leave(persisted));
+    window.addEventListener('pageshow', ({ persisted }) => persisted && this.back());
     this.aim();
   }
 
@@ -140,11 +142,17 @@ export class Rationaliser {
     const { stored } = this.design;
     const job = stored && this.jobs.last(this.display.told);
     keep(stored && { stored, open: this.dialog.open, job });
+    if (job) this.api.forget(job.id, persisted ? CACHED : RELOAD).catch(() => {});
     // A page in the back/forward cache goes on as it is.
     if (persisted) return;
     if (!stored) this.jobs.halt();
     this.jobs.forget(job?.id);
-    if (job) this.api.forget(job.id, RELOAD).catch(() => {});
+  }
+
+  /** The page is shown again from the cache: a request for its job revokes the deletion. */
+  back() {
+    const job = this.jobs.last(this.display.told);
+    if (job) this.api.status(job.id).catch(() => {});
   }
 
   // ---------------------------------------------------------- the fields
