@@ -16,6 +16,8 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
 from ..discrete.plan import cross
+from ..errors import Remedy
+from ..errors import Sentence
 from ..meshing import boundary_loops
 from .goals.places import EdgeInPlan
 from .problem import CGCProblem
@@ -68,24 +70,27 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
     size = float(np.linalg.norm(np.ptp(V, axis=0)))
     over: Optional[_Between] = None
     under: Optional[_Between] = None
+    level: list[_Between] = []
     for found in _between(problem, F, supports, size):
         if abs(found.over) <= LEVEL_TOLERANCE * size:
             if not found.along:
-                at, others = problem.names.vertices[found.vertex], _named(problem, found)
-                height = float(problem.vertices[found.vertex, 2])
-                yield (
-                    f"region {region} has K > 0, but its support at vertex {at} lies on the straight line or plane through the supports at "
-                    f"vertices {others}, and a smooth surface of K > 0 is never straight; raise it above z = {height:.4g}, "
-                    "or draw a crease through it"
-                )
-                return
+                level.append(found)
         elif found.over > 0:
             # The advice has to hold for all lines over which the same support lies: keep its largest height.
             over = found if over is None or (found.vertex == over.vertex and found.over > over.over) else over
         else:
             under = found if under is None or (found.vertex == under.vertex and found.over < under.over) else under
-    if over is not None and under is not None:
-        names = problem.names.vertices
+    names = problem.names.vertices
+    if level:
+        height = float(problem.vertices[level[0].vertex, 2])
+        text = (
+            f"region {region} has K > 0, but its support at vertex {names[level[0].vertex]} lies on the straight line or plane through the "
+            f"supports at vertices {_named(problem, level[0])}, and a smooth surface of K > 0 is never straight; raise it above "
+            f"z = {height:.4g}, or draw a crease through it"
+        )
+        alone = {found.vertex for found in level} - _of_walls(problem)
+        yield Sentence(text, [Remedy("release", sorted(int(names[vertex]) for vertex in alone))] if alone else [])
+    elif over is not None and under is not None:
         highest, lowest = (float(problem.vertices[found.vertex, 2]) - found.over for found in (over, under))
         yield (
             f"region {region} has K > 0 and so bulges to one side only, but its support at vertex {names[over.vertex]} lies "
@@ -93,6 +98,13 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
             f"{-under.over:.3g} below those at vertices {_named(problem, under)} (a bowl); raise the second above z = "
             f"{lowest:.4g}, lower the first below z = {highest:.4g}, or draw a crease through one of them"
         )
+
+
+def _of_walls(problem: CGCProblem) -> set[int]:
+    """Return the supports beside other supports along the rim."""
+    held = problem.roles == FIXED
+    loops = boundary_loops(problem.faces)
+    return {vertex for loop in loops for vertex in loop[held[loop] & (held[np.roll(loop, 1)] | held[np.roll(loop, -1)])].tolist()}
 
 
 def _named(problem: CGCProblem, found: _Between) -> str:

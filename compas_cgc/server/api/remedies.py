@@ -102,7 +102,8 @@ def remedies_of(problem: CGCProblem, result: SolveResult, messages: Iterable[str
     targets = problem.targets[problem.asked]
     if not causes and not contradiction(problem) and not any(field in ("scale", "targets") for field, _ in others):
         others = [*found, *([HALVED] if np.isfinite(targets).all() and targets.any() else [])]
-    return _as_data([*causes, *others, *_usual(problem)])
+    freed = sorted({vertex for field, value in [*found, *causes] if field == "release" for vertex in value})
+    return _as_data([*([Remedy("release", freed)] if freed else []), *causes, *others, *_usual(problem)])
 
 
 def _corners(problem: CGCProblem) -> Iterator[Remedy]:

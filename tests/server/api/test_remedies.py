@@ -120,6 +120,20 @@ def test_a_support_at_an_inward_corner_is_freed():
     assert not any("release" in own for own in changes(remedies_of(problem.with_targets(-0.02), began)))
 
 
+def test_columns_level_with_the_corners_are_freed():
+    columns = [[4.0, 3.0], [8.0, 4.0]]
+    mesh = CGCMesh.from_outline([[0, 0], [12, 0], [12, 7], [0, 7]], edge_length=1.0, points=columns)
+    mesh.set_supports("corners")
+    mesh.set_target(0.002)
+    problem = mesh.to_problem()
+    places = [int(np.argmin(np.linalg.norm(problem.vertices[:, :2] - column, axis=1))) for column in columns]
+    corners = problem.supports.tolist()
+    problem = problem.with_supports([*corners, *places])
+    change, *others = changes(remedies_of(problem, solve(problem)))
+    assert change == {"release": sorted(places)} and {"scale": 0.5} not in others
+    assert solve(problem.with_supports(corners)).verdict.fair
+
+
 @pytest.mark.parametrize("free", [None, 9.0], ids=["held all round", "one side free"])
 def test_walls_that_meet_at_an_inward_corner_get_a_crease_from_it(free):
     outline = [[0, 0], [14, 0], [14, 5], [6, 5], [6, 11], [0, 11]]
