@@ -45,11 +45,11 @@ MAX_SEAM_KINK = np.radians(3.0)  # median kink of an edge up to which regions ar
 KINK = np.radians(0.35)  # kink at a smooth edge that costs as much as CURVATURE_ERROR
 ROUGHNESS = 1e-10  # weight of the squared third derivative for edges of length 1
 START_ROUGHNESS = 1e-4  # the same for the initial surface through the vertices
-# Distance from singular vertices up to which the weight of K is reduced, in mesh edges and relative to the size: the larger one counts.
-# Beside straight held edges with K > 0, K of the mesh itself is off within a length that does not shrink with its edges.
-SINGULAR_MARGIN, SINGULAR_LENGTH = 3.0, 0.04
+# Least distance from singular vertices up to which the weight of K is reduced, relative to the size. Beside straight held edges with
+# K > 0, K of the mesh itself is off within a length that does not shrink with its edges.
+SINGULAR_LENGTH = 0.04
 MARGIN_POWER = 8.0  # high enough that K nearly counts only where its error is measured
-CROSSING_MARGIN = 0.5  # the same for points where three or more regions meet, in mesh edges
+CROSSING_MARGIN = 0.5  # distance from points where three or more regions meet with the same effect, in mesh edges
 # Factors on DISTANCE, errors of K in units of CURVATURE_ERROR beyond which they are outliers, and gaps that cost as much as DISTANCE,
 # relative to it.
 CLOSE = (
@@ -204,7 +204,7 @@ class Fit(NamedTuple):
         return AccuracyNote(before + self.accuracy(errors, factor, unit) + after, figures)
 
 
-def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
+def fitted(problem: CGCProblem, cell: float, margin: float, stages: Stages) -> Fit:
     """Return smooth surfaces near all regions of a solved mesh, with shared edges.
 
     Parameters
@@ -213,6 +213,8 @@ def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
         The solved problem.
     cell
         Length of the spans of the splines relative to the mean edge length.
+    margin
+        Distance from singular vertices, in mesh edges, up to which the weight of K is reduced.
     stages
         Weights of the Gauss-Newton steps.
 
@@ -221,7 +223,7 @@ def fitted(problem: CGCProblem, cell: float, stages: Stages = CLOSE) -> Fit:
     MeshError
         If a region is not a graph over a plane.
     """
-    return _System(problem, cell).solved(stages)
+    return _System(problem, cell, margin).solved(stages)
 
 
 class _Region(NamedTuple):
@@ -234,7 +236,7 @@ class _Region(NamedTuple):
 class _System:
     """The equations of a fit."""
 
-    def __init__(self, problem: CGCProblem, cell: float):
+    def __init__(self, problem: CGCProblem, cell: float, margin: float):
         V, F = problem.vertices, problem.faces
         self.problem, self.label = problem, problem.regions()
         self.centre, self.scale = V.mean(axis=0), float(np.linalg.norm(np.ptp(V, axis=0)))
@@ -247,7 +249,7 @@ class _System:
         self.size = sum(region.splines.space.size for region in self.regions)
         self.joints = Joints([region.splines for region in self.regions], self.edges, self.lines, self.size)
         self._tether()
-        self._curvature()
+        self._curvature(max(margin * self.edge, SINGULAR_LENGTH))
         self._centres()
         rough = sparse.vstack(self._stack(lambda region: region.splines.space.roughness())).tocsr()
         self.rough = rough.T @ rough
@@ -289,7 +291,7 @@ class _System:
         rows = [own.splines.placed(own.splines.space.basis(xy, order), self.size) for own, xy in zip(self.regions, plans)]
         return sparse.vstack(rows).tocsr()
 
-    def _curvature(self) -> None:
+    def _curvature(self, margin: float) -> None:
         """Prepare K at points of all faces, whose basis functions and derivatives have one sparsity."""
         targets = [np.nan if K is None else K * self.scale**2 for K in self.problem.region_targets()]
         floors = [reference(K, own.plan[own.used], 1.0) for own, K in zip(self.regions, targets)]
@@ -297,7 +299,6 @@ class _System:
         self.parts = [self._basis(places, order) for order in SECOND_ORDERS]
         self.target, self.reference = (np.repeat(own, [len(xy) for xy in places]) for own in (targets, floors))
         points = np.concatenate([np.einsum("pc,fcx->fpx", FACE_POINTS, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
-        margin = max(SINGULAR_MARGIN * self.edge, SINGULAR_LENGTH)
         weight = np.minimum(1.0, distances(points, self.singular) / margin) ** MARGIN_POWER
         around: dict[int, set[int]] = {}
         for edge in self.edges:

@@ -21,7 +21,8 @@ from .fit import fitted
 
 __all__ = ["region_surfaces"]
 
-TRIALS = ((0.67, CLOSE), (0.5, LOOSE), (0.4, LOOSE))  # spans relative to the edge length, and weights, tried in this order
+# Spans and the margin beside singular vertices, both in edge lengths, and weights, tried in this order.
+TRIALS = ((0.5, 2.5, CLOSE), (0.5, 3.0, LOOSE), (0.4, 3.0, LOOSE))
 
 
 def region_surfaces(problem: CGCProblem) -> Fit:
