@@ -31,7 +31,7 @@ from .normal_moves import Sensitivities
 __all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
 
 STEPS, LINEARISATIONS = 3, 8  # of Newton's method after K has changed: steps with the same factors, and how often
-CLOSE = 0.05  # deviation of K times the area, below which a surface has its K
+CLOSE = 0.05  # deviation of K times the area, below which a surface has its K; a part of it where the design has less K
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
 STARTS, SOLVED = 4, 3  # clusterings that are improved at most, and how many are solved to choose each
@@ -282,12 +282,12 @@ def _moved(one: Assignment, other: Assignment) -> int:
 
 def _placed(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
     """Return an assignment with a surface near given moves, of infinite norm where there is none."""
-    here = near
+    here, close = near, max(DONE, CLOSE * min(1.0, moves.bend))
     for _ in range(LINEARISATIONS):
-        if moves.error(here, assigned.K) <= CLOSE:
+        if moves.error(here, assigned.K) <= close:
             return Placed(assigned, here, _norm(moves, here))
         here = moves.newton(here, assigned.K, STEPS)
-    return Placed(assigned, here, _norm(moves, here) if moves.error(here, assigned.K) <= CLOSE else np.inf)
+    return Placed(assigned, here, _norm(moves, here) if moves.error(here, assigned.K) <= close else np.inf)
 
 
 def _norm(moves: NormalMoves, own: FloatArray, power: int = POWER) -> float:

@@ -107,6 +107,8 @@ class NormalMoves:
         shares = [self.mass / self.mass.sum(), own / max(own.sum(), 1e-300)]
         self.criteria_mass = np.concatenate(shares) / 2.0
         self._closeness = 2.0 * self.criteria_mass
+        # Largest K of a panel of the design, times the area.
+        self.bend = float(np.abs(self.mean_curvatures(np.zeros(len(self.columns)))).max(initial=0.0)) * self.size**2
 
     def stressing(self, weights: FloatArray) -> NormalMoves:
         """Return the same surfaces where criteria count by other weights (d,) in the energy."""

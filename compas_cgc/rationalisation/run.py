@@ -254,7 +254,7 @@ def _assigned(
             )
         best = None
         for count in range(1, min(MAX_MOULDS, moves.panels) + 1):
-            found = assign(moves, Moulds(count, flat=flat), stop.shown)
+            found = finished(moves, assign(moves, Moulds(count, flat=flat), stop.shown))
             best = found if best is None or found.distance < best.distance else best
             if best.distance <= within or stop.stopped:
                 return best

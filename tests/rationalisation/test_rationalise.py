@@ -174,6 +174,16 @@ def test_panels_that_promise_little_stay_on_their_moulds(monkeypatch):
     assert few.result.converged and few.distance.largest < 1.5 * found().distance.largest
 
 
+def test_a_search_judges_nearly_flat_designs_on_surfaces_that_have_their_curvature():
+    """A facade whose K is a fifth of that of the roofs here, times its area."""
+    shown = []
+    facade = mesh_over(lambda x, y: 1.2 * np.sin(x / 4.0) * (0.4 + y / 16.0), 28.0, 12.0, 1.0)
+    made = compas_cgc.rationalise(facade, moulds=2, callback=lambda progress: shown.append(progress.distance))
+    assert made.result.converged and made.distance.largest == pytest.approx(shown[-1], rel=0.1)
+    fewest = compas_cgc.rationalise(facade, moulds=None, within=1.2 * made.farthest)
+    assert fewest.kept and len(fewest.curvatures) == 2
+
+
 def test_a_promise_is_kept_or_refused_with_a_suggestion():
     kept = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=None, within=0.02)
     assert kept.status == "kept" and kept.distance.largest <= 0.02 and 1 < len(kept.curvatures) < 6
