@@ -5,18 +5,13 @@ from __future__ import annotations
 import argparse
 import io
 import os
-import signal
 import sys
-import threading
-from collections.abc import Iterator
 from collections.abc import Sequence
-from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Optional
 
 from .._atomic_write import PartlyPublished
-from .._atomic_write import end_process
 from .._atomic_write import is_full
 from .._atomic_write import unwritable
 from .._version import __version__
@@ -27,6 +22,10 @@ from .exits import INCOMPLETE
 from .exits import INTERRUPTED
 from .exits import REFUSED
 from .parser import Parser
+from .signals import end_cleanly_on_signals
+from .signals import extensions_loaded_whole
+from .signals import signals_in_kernels
+from .signals import signals_repeated
 
 __all__ = ["build_parser", "main"]
 
@@ -53,7 +52,6 @@ COMMANDS = {
     "grasshopper": "build and install the Grasshopper components",
 }
 
-REPEAT_SECONDS = 0.01  # until a signal is repeated
 EXITS = """\
 exit codes: 0 done; 1 not converged to the tolerance; 2 input refused, with the reason; 3 written, but rough, or with panels that would
 break; 4 an output other than the surface could not be written; 130 interrupted; 143 terminated
@@ -85,9 +83,9 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     argv
         Arguments. Default: those of the process.
     """
-    _end_cleanly_on_signals()
+    end_cleanly_on_signals()
     try:
-        with _signals_repeated():
+        with signals_repeated(), extensions_loaded_whole():
             return _run(sys.argv[1:] if argv is None else argv)
     except KeyboardInterrupt:
         print("compas-cgc: interrupted", file=sys.stderr)
@@ -128,67 +126,8 @@ def _run(argv: Sequence[str]) -> int:
     arguments, unknown = parser.parse_known_args(words)
     if unknown:
         parser.of(words[0]).refuse_unknown(unknown)
-    with compiling(quiet=getattr(arguments, "quiet", False)), _signals_in_kernels():
+    with compiling(quiet=getattr(arguments, "quiet", False)), signals_in_kernels():
         return arguments.run(arguments)
-
-
-@contextmanager
-def _signals_in_kernels() -> Iterator[None]:
-    """Pass on the exception of a signal that arrived during calls of compiled functions, each of which wraps it in a SystemError."""
-    try:
-        yield
-    except SystemError as error:
-        cause = error.__cause__
-        while isinstance(cause, SystemError):
-            cause = cause.__cause__
-        if isinstance(cause, (KeyboardInterrupt, SystemExit)):
-            raise cause from None
-        raise
-
-
-@contextmanager
-def _signals_repeated() -> Iterator[None]:
-    """Repeat signals whose exceptions Python ignores, such as those in callbacks of weak references, which every import has."""
-    usual, thread = sys.unraisablehook, threading.get_ident()
-
-    def hook(ignored: sys.UnraisableHookArgs) -> None:
-        error = ignored.exc_value
-        if isinstance(error, KeyboardInterrupt):
-            number = int(signal.SIGINT)
-        elif isinstance(error, SystemExit) and isinstance(error.code, int) and error.code > 128:
-            number = error.code - 128
-        else:
-            usual(ignored)
-            return
-        # Later, as Python ignores exceptions in this call too.
-        threading.Timer(REPEAT_SECONDS, _signal_thread, (thread, number)).start()
-
-    sys.unraisablehook = hook
-    try:
-        yield
-    finally:
-        sys.unraisablehook = usual
-
-
-def _signal_thread(thread: int, number: int) -> None:
-    if hasattr(signal, "pthread_kill"):
-        signal.pthread_kill(thread, number)
-    else:
-        signal.raise_signal(number)
-
-
-def _end_cleanly_on_signals() -> None:
-    """Let the signals that end a process do so as an exception, so that no temporary file is left."""
-
-    def end(number: int, frame: object) -> None:
-        end_process(128 + number)
-
-    if threading.current_thread() is threading.main_thread():
-        for name in ("SIGTERM", "SIGHUP"):
-            number = getattr(signal, name, None)
-            # A parent such as nohup may have a signal ignored.
-            if number is not None and signal.getsignal(number) is signal.SIG_DFL:
-                signal.signal(number, end)
 
 
 def _without_quotes(word: str) -> str:

@@ -258,7 +258,7 @@ def test_a_solve_writes_all_its_files(plan, tmp_path):
 def test_a_signal_leaves_no_temporary_file(tmp_path):
     code = (
         "import sys, time; from compas_cgc.cli import main as m; from compas_cgc._atomic_write import replacing; import importlib\n"
-        "main = importlib.import_module('compas_cgc.cli.main'); main._end_cleanly_on_signals()\n"
+        "from compas_cgc.cli.signals import end_cleanly_on_signals; end_cleanly_on_signals()\n"
         "with replacing(sys.argv[1]) as t: print('begun', flush=True); time.sleep(60)"
     )
     process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path / "a.txt")], stdout=subprocess.PIPE, text=True)
@@ -272,7 +272,7 @@ def test_a_signal_leaves_no_temporary_file(tmp_path):
 def test_a_signal_whose_exception_a_library_swallows_publishes_nothing(tmp_path):
     code = (
         "import importlib, os, signal, sys; from compas_cgc._atomic_write import *; from compas_cgc.errors import FileError\n"
-        "main = importlib.import_module('compas_cgc.cli.main'); main._end_cleanly_on_signals()\n"
+        "from compas_cgc.cli.signals import end_cleanly_on_signals; end_cleanly_on_signals()\n"
         "with published_together():\n"
         "    write_text(sys.argv[1], 'new')\n"
         "    with further_outputs():\n"
@@ -316,6 +316,26 @@ def test_a_signal_whose_exception_python_ignores_is_repeated(name, code):
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert ended.returncode == code and "Traceback" not in ended.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="it ends by signal")
+@pytest.mark.parametrize("name, code", [("SIGTERM", 143), ("SIGINT", INTERRUPTED)])
+def test_a_signal_while_an_extension_module_is_loaded_waits_for_its_end(name, code):
+    program = (
+        "import signal, sys\n"
+        "from importlib.machinery import ExtensionFileLoader\n"
+        "from compas_cgc.cli import check, main\n"
+        "execute = ExtensionFileLoader.exec_module\n"
+        "def slow(loader, module):\n"
+        f"    signal.raise_signal(signal.{name}); execute(loader, module); print('loaded', flush=True)\n"
+        "ExtensionFileLoader.exec_module = slow\n"
+        "def run(arguments):\n"
+        "    sys.modules.pop('_json', None); import _json; print('late')\n"
+        "check.run = run\n"
+        "sys.exit(main(['check', 'plan.json']))\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert ended.returncode == code and set(ended.stdout.split()) == {"loaded"} and "Traceback" not in ended.stderr
 
 
 def test_an_interrupt_while_a_command_is_loaded_ends_it_like_any_other(monkeypatch, capsys):
