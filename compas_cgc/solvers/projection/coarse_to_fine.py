@@ -21,12 +21,9 @@ from ..coarse import coarsened
 from ..coarse import laid_out_anew
 from .gauss_newton import Taken
 from .iterate import Point
-from .measure import renewed
 from .settings import ProjectionSettings
 from .sliding import can_slide
-from .smooth_shape import DRAWN
-from .smooth_shape import smooth_shape
-from .strategies import PATIENT
+from .strategies import smoothed_first
 from .strategies import ways
 from .strategies import ways_from_near
 from .system import KeptDrawing
@@ -157,8 +154,7 @@ def _from_even(problem: CGCProblem, system: System, equations: CurvatureEquation
         return
     near = system.on(system.settled(even.carried(found.vertices, anew=True)), system.faces)
     yield Taken(near.places.start, 1.0, 1, False)
-    vertices = yield from smooth_shape(near, equations, near.places.start, rounds=PATIENT, beside=DRAWN)
-    yield from renewed(near, equations, vertices)
+    yield from smoothed_first(near, equations, near.places.start, settings)
 
 
 def _carried(coarse: Coarse, settings: ProjectionSettings) -> _Found:

@@ -1,4 +1,4 @@
-"""Gauss-Newton with least-norm steps and backtracking, straight or in stages."""
+"""Gauss-Newton with least-norm steps and backtracking."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .turning import Turning
 from .vectors import dot
 from .vectors import norm
 
-__all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "in_stages", "line_search"]
+__all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "line_search"]
 
 SHORTEST = 2.0**-10  # part of a step below which the search gives up
 DECREASE = 0.1  # part of the expected decrease that a step must bring
@@ -27,10 +27,6 @@ LOOSEST, TIGHTEST = 1e-3, 1e-6  # residuals of the linear systems
 FULFILLED = 1e-8  # residual, against the curvature asked for, from which on steps converge quadratically
 FINISH = 4  # steps to rounding without much gain after which it is reached
 ALIKE, SLOWEST = 0.3, 0.97  # difference of two steps in turn, against the last, that go the same way, and their ratio that leads nowhere
-STAGE = 0.25  # first part of the way to the targets
-SHORTEST_STAGE = 1 / 128
-STAGE_STEPS = 6
-STAGE_GOAL = 0.05  # what a stage leaves of its merit
 
 
 class Taken(NamedTuple):
@@ -104,34 +100,6 @@ def descend_to_rounding(system: System, equations: CurvatureEquations, start: Po
     On an irregular mesh some vertex may come near to where no move of its own changes its angles, which takes short steps to pass.
     """
     return descend(system, equations, start, finish=FINISH)
-
-
-def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterator[Taken]:
-    """Take steps to targets that go from the curvature of the start to the targets asked for (n,)."""
-    rows = system.rows
-    before = targets.copy()
-    residual, areas = system.equations(np.zeros_like(targets)).measure(start)
-    before[rows] = residual / areas
-    done, stage, vertices = 0.0, STAGE, start
-    while done < 1.0 and stage >= SHORTEST_STAGE:
-        goal = min(1.0, done + stage)
-        equations = system.equations(before + goal * (targets - before))
-        point = system.at(vertices, equations)
-        wanted, reached = STAGE_GOAL * point.merit, False
-        there = vertices
-        for count, taken in enumerate(descend(system, equations, point)):
-            yield taken
-            there = taken.vertices
-            reached = system.at(there, equations).merit <= wanted
-            if reached or count + 1 == STAGE_STEPS:
-                break
-        if reached:
-            done, vertices, stage = goal, there, 2 * stage
-        else:
-            stage /= 4
-    if done == 1.0:
-        equations = system.equations(targets)
-        yield from descend(system, equations, system.at(vertices, equations))
 
 
 def line_search(

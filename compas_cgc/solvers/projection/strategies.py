@@ -22,7 +22,6 @@ from .exact import may_slide
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
-from .gauss_newton import in_stages
 from .iterate import Point
 from .measure import renewed
 from .measure import shows_layout
@@ -43,7 +42,7 @@ from .system import System
 from .trust_region import SETTLED
 from .trust_region import refine
 
-__all__ = ["PATIENT", "ways", "ways_from_near"]
+__all__ = ["smoothed_first", "ways", "ways_from_near"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
@@ -77,7 +76,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         yield from _held_all_round(system, equations, start, first, settings, smooth_first)
         return
     if smooth_first and _loses_itself(system, equations, first):
-        yield from _smooth_first(system, equations, first.vertices, settings)
+        yield from smoothed_first(system, equations, first.vertices, settings)
     if not warm and system.missing(first, equations) <= EXACTLY:
         # Kept in reserve: where K is asked for twice over the fairest may be out of reach.
         yield Taken(first.vertices, 0.0, 1, settled=False)
@@ -152,7 +151,7 @@ def _held_all_round(
     near, vertices = system.keeping("shape"), first.vertices
     if smooth_first and _is_told_by_fits(near, equations):
         last = None
-        for last in _smooth_first(near, equations, vertices, settings, held=True):
+        for last in smoothed_first(near, equations, vertices, settings, held=True):
             # What does not lead to a fair surface is nothing to show.
             yield Taken(vertices, 0.0, last.trials, settled=False)
         if last is not None and last.equations and verdict(near.problem_at(last.vertices, equations.targets)).fair:
@@ -164,7 +163,7 @@ def _held_all_round(
         yield from exactly(near, equations, settings.measure, vertices)
 
 
-def _smooth_first(
+def smoothed_first(
     system: System, equations: CurvatureEquations, vertices: FloatArray, settings: ProjectionSettings, held: bool = False
 ) -> Iterator[Taken]:
     """Take steps from a shape (n, 3), which may be held all round, to one nearby that is smooth, and on to K as asked in that measure."""
@@ -248,13 +247,9 @@ def _closing(system: System, equations: CurvatureEquations, start: Point) -> _Se
 
 
 def _nearest(system: System, equations: CurvatureEquations, start: Point) -> _Search:
-    """Take least-norm steps to the equations, straight or in stages; fairness comes after."""
+    """Take least-norm steps to the equations, with another smoothness where they stall; fairness comes after."""
     for smoother in SMOOTHER:
         found = yield from _closing(system.keeping("shape", smoother), equations, start)
         if found is not None:
             return found
-    here, nothing = start, np.zeros(len(system.leading))
-    for taken in in_stages(system.keeping("shape", SMOOTHER[-1]), equations.targets, start.vertices):
-        here = system.at(taken.vertices, equations)
-        yield taken._replace(settled=False)
-    return Reached(here, nothing) if system.missing(here, equations) <= NEAR else None
+    return None
