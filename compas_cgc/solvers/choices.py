@@ -17,6 +17,7 @@ from ..model.measures import has_free_edges
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
+from .determined import determining
 from .polish.polisher import keeps_shape
 from .polish.posed import takes_goals
 from .registry import METHODS
@@ -48,7 +49,8 @@ SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
 FOLDED_RIM = Choice("bending", "the whole rim is fixed, and K̄ > 0 determines regions between creases that bend and fold least", then=RIM)
-ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K")
+ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K", SMOOTH)
+PLAIN_UNKNOWN = Choice("newton", "one goal determines one unknown K, and the smooth measure does not converge")
 
 
 def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
@@ -72,14 +74,20 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
 def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.laws:
         return [LAWS]
+    alone = determining(problem)
+    if alone is not None:
+        return _choices(alone)
     if problem.goals:
         if held_by_newton(problem):
-            return [ONE_UNKNOWN, GOALS]
+            return [ONE_UNKNOWN, PLAIN_UNKNOWN, GOALS]
         if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
             return [SOUGHT, GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.
         loose = has_free_edges(problem) or len(problem.creases)
-        return [MEETS, GOALS] if loose and takes_goals(problem) and not keeps_shape(problem) else [GOALS]
+        if not loose or not takes_goals(problem) or keeps_shape(problem):
+            return [GOALS]
+        folded = is_held_all_round(problem, folded=True) and not finds_constants(problem)
+        return [MEETS._replace(then=RIM) if folded else MEETS, GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]

@@ -1,4 +1,4 @@
-"""The side that a drawing bulges to, where it says one."""
+"""The side that a drawing bulges to, or a goal asks for, where they say one."""
 
 from __future__ import annotations
 
@@ -12,13 +12,20 @@ from ..discrete.laplacian import cotangent_laplacian
 from ..discrete.mean import mean_curvature
 from ..discrete.normals import vertex_normals
 from ..linalg.solvers import factorise
+from ..model.goals.binding import held_by_newton
+from ..model.goals.wholes import Rise
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 
-__all__ = ["is_drawn_below"]
+__all__ = ["hangs", "is_drawn_below"]
 
 SAID = 0.05  # of the depth of a drawing, against the rise of a cap of its area and K, that says that the bowl is meant
 BENT = 0.1  # of its mean curvature, against the root of K, below which it does not
+
+
+def hangs(problem: CGCProblem) -> bool:
+    """Return whether a goal asks for a surface below its supports, which Newton's method bulges to along opposite normals."""
+    return held_by_newton(problem) and any(isinstance(goal, Rise) and goal.rise < 0.0 for goal in problem.goals)
 
 
 def is_drawn_below(problem: CGCProblem) -> bool:

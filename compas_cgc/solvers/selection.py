@@ -25,6 +25,10 @@ from ..model.verdict import verdict
 from .allowance import Allowance
 from .choices import Choice
 from .choices import choose
+from .determined import determining
+from .determined import held_to_goals
+from .determined import missed_goal
+from .drawn_side import hangs
 from .drawn_side import is_drawn_below
 from .evened import evened
 from .half_sphere import with_half_a_sphere
@@ -42,7 +46,7 @@ from .settings import Settings
 
 __all__ = ["finished", "run_auto", "run_method"]
 
-BELOW = "it goes to the side that it is drawn on, away from its normals, along which a flat drawing would go"
+BELOW = "it goes to the side that it is drawn on, or a goal asks for, away from its normals, along which a flat drawing would go"
 EVENED = "the surface is far from the drawing, whose triangles were laid out evenly over it"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
@@ -80,14 +84,18 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         Called after every step of every method that is tried.
     """
     measure = "auto" if settings is None else settings.to_dict().get("measure", "auto")
-    if settings is not None and method_of(settings) == "auto" and measure in EXACT:
+    free = settings is None or method_of(settings) == "auto"
+    alone = determining(problem) if free else None
+    if alone is not None:
+        return held_to_goals(problem, alone, partial(run_auto, settings=settings, callback=callback))
+    if settings is not None and free and measure in EXACT:
         general = settings_for("auto", {**settings.to_dict(), "measure": "auto"})
         return _closed(problem, run_auto(problem, settings=general, callback=callback), settings, callback)
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
     held = any(is_held_all_round(problem, folded) for folded in (False, True))
-    below = held and is_drawn_below(problem)
+    below = (held and is_drawn_below(problem)) or hangs(problem)
     for choice in choose(problem, settings):
         posed = problem
         if below and choice.method != "bending":
@@ -152,11 +160,11 @@ def finished(
     then = choice.then
     if then is None or solution.status != "converged":
         return solution
-    found = problem.with_vertices(solution.vertices)
+    found = problem.with_goals([], add=False).with_vertices(solution.vertices)
     found = found.with_opposite_normals() if is_drawn_below(found) else found
     between = run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback)
     between = _judged(between, problem, callback)
-    if between.verdict is None or not between.verdict.fair:
+    if between.verdict is None or not between.verdict.fair or missed_goal(problem, between) is not None:
         return solution
     return between._replace(message=joined([between.message, "between the creases of a surface that bends and folds least"], " "))
 

@@ -36,7 +36,7 @@ INSIDE = {
         {"allowance", "method", "carried", "coarse", "half_sphere"},
         {"newton", "polish"},
         {"projection"},
-        {"rising", "drawn_side", "evened"},
+        {"rising", "determined", "drawn_side", "evened"},
         {"larger_cap"},
         {"flow", "limits"},
         {"reasons", "registry"},

@@ -369,9 +369,9 @@ def held_by_newton(problem: CGCProblem) -> bool:
     rim = boundary_vertices(problem.vertices, problem.faces)
     held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
     targets = problem.targets[problem.asked]
-    upwards = not (targets < 0).any() and all(own.rise > 0 for own in goals if isinstance(own, Rise))
+    elliptic = not (targets < 0).any()
     whole = len(mine) == len(problem.goals) and len(goals) == 1 and len(mine) > 1
-    return whole and held and upwards and not len(problem.creases) and len(unknown_regions(problem)) == 1
+    return whole and held and elliptic and not len(problem.creases) and len(unknown_regions(problem)) == 1
 
 
 def equations_for_constants(problem: CGCProblem) -> list[Equation]:

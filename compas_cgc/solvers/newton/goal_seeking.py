@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import replace
 from typing import Optional
 
 import numpy as np
@@ -11,12 +10,13 @@ import numpy as np
 from ...linalg import SingularMatrixError
 from ...model.goals.binding import Equation
 from .elliptic import elliptic_steps
+from .globalization import is_near
 from .settings import NewtonSettings
 from .system import Shape
 from .system import Step
 from .system import System
 
-__all__ = ["Sought", "steps_to_goal", "with_curvature"]
+__all__ = ["Sought", "steps_to_goal"]
 
 MOST = 30  # steps
 ARMIJO = 1e-4  # part of the expected decrease that a step must bring
@@ -26,23 +26,10 @@ LARGEST = 0.5  # change of K in a step, as a part of it
 Sought = tuple[str, str, System]  # status, what was noticed, and the system with the K that was found
 
 
-def with_curvature(system: System, K: float) -> System:
-    """Return the same system for another K everywhere."""
-    other = System.__new__(System)
-    other.__dict__.update(system.__dict__)
-    targets = np.full(len(system.problem.targets), K)
-    other.problem = replace(system.problem, targets=targets)
-    other.targets = targets[system.asked]
-    other.scale = other.problem.target_scale
-    other.equations = type(system.equations).__new__(type(system.equations))
-    other.equations.__dict__.update({**system.equations.__dict__, "targets": targets})
-    return other
-
-
 def steps_to_goal(system: System, start: Shape, goal: Equation, settings: NewtonSettings) -> Generator[Step, None, Sought]:
     r"""Yield steps to the shape and the K that meet the goal c; return how they ended, and the system with that K.
 
-    After elliptic steps for the guessed K every step solves
+    After elliptic steps for the guessed K, unless the start is near that, every step solves
 
     .. math:: \begin{pmatrix} J & -A \\ \nabla c & 0 \end{pmatrix} \begin{pmatrix} du \\ dK \end{pmatrix}
               = \begin{pmatrix} -r \\ h - c \end{pmatrix}
@@ -51,12 +38,13 @@ def steps_to_goal(system: System, start: Shape, goal: Equation, settings: Newton
     """
     shape = start
     try:
-        for step in elliptic_steps(system, start, settings.anisotropy):
-            shape = step.shape
-            yield step
-        K = float(system.targets[0])
+        if not is_near(system, start):
+            for step in elliptic_steps(system, start, settings.anisotropy):
+                shape = step.shape
+                yield step
+        K = float(system.problem.targets[system.asked[0]])
         for _ in range(MOST):
-            own = with_curvature(system, K)
+            own = system.with_curvature(K)
             shape = own.measure(shape.vertices)
             if own.meets(shape, settings.tolerance) and abs(goal.value(shape.vertices) - goal.wanted) <= MET:
                 return "converged", "", own
@@ -68,7 +56,7 @@ def steps_to_goal(system: System, start: Shape, goal: Equation, settings: Newton
             yield step
     except SingularMatrixError:
         return "stalled", "singular", system
-    return "stalled", "target", with_curvature(system, K)
+    return "stalled", "target", system.with_curvature(K)
 
 
 def _step(system: System, shape: Shape, K: float, goal: Equation, shortest: float) -> Optional[tuple[Step, float]]:
@@ -87,7 +75,7 @@ def _step(system: System, shape: Shape, K: float, goal: Equation, shortest: floa
     convex = (system.targets > 0) & (shape.mean > 0)
     length, trials = 1.0, 1
     while length >= shortest:
-        other = with_curvature(system, K + length * change)
+        other = system.with_curvature(K + length * change)
         there = other.moved(shape, length * move, shape.normal)
         # Near the end a step is rounding; there it has only to do no harm.
         if _missing(other, there, goal) <= max((1 - ARMIJO * length) * before, MET) and (there.mean[convex] > 0).all():

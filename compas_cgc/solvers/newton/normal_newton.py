@@ -10,6 +10,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...discrete.space_form import EXACT
 from ...errors import ProblemError
 from ...errors import Sentence
 from ...errors import names_what_was_meant
@@ -111,9 +112,7 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
             outcome = end.value[:2]
             if sought is not None:
                 system = end.value[2]
-                problem = replace(problem, targets=system.problem.targets / frame.scale**2)
                 here, best = system.measure(here.vertices), system.measure(best.vertices)
-                break
             if outcome[0] != "converged":
                 if met is not None and settings.measure == "auto":
                     # The layout of the mesh could not be told from its wrinkles.
@@ -124,7 +123,8 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
             if after is None:
                 break
             system, here = after, after.measure(here.vertices)
-            best, run = here, exact_steps(after, here, settings)
+            best = here
+            run = exact_steps(after, here, settings) if sought is None else steps_to_goal(after, here, sought, settings)
             continue
         here = step.shape
         best = here if system.errors(here)[0] < system.errors(best)[0] else best
@@ -141,19 +141,20 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     status, cause = outcome
     shape = best if status in ("stalled", "diverged", "infeasible") else here
     vertices = problem.vertices if shape is start else to_model(shape.vertices)
-    measure = "defect" if sought is not None else stages.measure_of(system)
+    found = None if sought is None else system.problem.targets / frame.scale**2
+    if found is not None:
+        problem = replace(problem, targets=found)
+    measure = stages.measure_of(system)
     if measure == "smooth":
         problem = replace(problem, faces=system.problem.faces, targets=system.equations.targets / frame.scale**2)
     if status == "converged" and len(recorder):
         vertices = polished(system, problem, frame, vertices, measure)
     max_error = float(np.abs(model_errors(problem, vertices, measure)[1]).max(initial=0.0))
     sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape), measure)
-    targets = None if sought is None else problem.targets
-    if sought is not None:
-        K = float(problem.targets[problem.asked][0])
-        sentence += f"; K = {K:.6g} was found for {sought.name}"
+    if sought is not None and found is not None:
+        sentence += f"; K = {found[problem.asked][0]:.6g} was found for {sought.name}"
     return Solution(
-        vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure, targets=targets
+        vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure, targets=found
     )
 
 
@@ -168,8 +169,8 @@ def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equati
     if not posed.goals:
         return None
     refuse_impossible(posed)
-    if measure not in ("auto", "defect"):
-        text = f"the method newton finds K in the measure defect, not {measure}; leave it out, or use the method projection"
+    if measure in EXACT:
+        text = f"the method newton finds K in the measures smooth and defect, not {measure}; leave it out, or use the method projection"
         raise ProblemError([Sentence(text, [use_method("projection")])])
     goals = bind(local, posed.goals)
     if not held_by_newton(posed):

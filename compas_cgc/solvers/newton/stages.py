@@ -24,7 +24,7 @@ ALIKE = 1e-12  # size of what rounds have changed, against the most, that says n
 class Stages:
     """The systems of one solve, the first by angle defects.
 
-    The targets of the smooth measure follow the shape until they stand still, a deferred correction (Stetter,
+    What the layout of the mesh adds to angle defects follows the shape until it stands still, a deferred correction (Stetter,
     doi:10.1007/BF01432879), mixed from the last rounds (Anderson, doi:10.1145/321296.321305).
 
     Parameters
@@ -34,12 +34,12 @@ class Stages:
     measure
         The one asked for.
     tolerance
-        Change of the targets, against the largest, that is none, where that is more than rounding leaves.
+        Change of that, against the largest target, that is none, where that is more than rounding leaves.
     """
 
     def __init__(self, first: System, measure: str, tolerance: float):
         self.first, self.measure, self.still = first, measure, max(STILL, tolerance)
-        self.rounds: list[tuple[FloatArray, FloatArray]] = []  # targets that were met, and those that the shape asks for then
+        self.rounds: list[tuple[FloatArray, FloatArray]] = []  # layouts that were met, and those of the shape then
         self.count = 0
 
     def beginning(self, shape: Shape) -> System:
@@ -48,7 +48,7 @@ class Stages:
         half = float(np.median(np.abs(shape.curvature))) > 0.5 * first.scale
         if self.measure != "smooth" or not first.problem.real_faces.all() or not half:
             return first
-        told = first.with_targets(first.smooth_targets(shape.vertices))
+        told = first.with_layout(first.layout_at(shape.vertices))
         return told if is_near(told, told.measure(shape.vertices)) else first
 
     def following(self, system: System, shape: Shape) -> Optional[System]:
@@ -57,22 +57,22 @@ class Stages:
         if self.measure in EXACT:
             exact = first.exactly(self.measure)
             return exact if system is first else None
-        problem = first.problem
+        problem = system.problem
         if self.measure == "defect" or not problem.real_faces.all() or self.count == ROUNDS:
             # With dummies fits would look across the edge at faces that are not there.
             return None
-        if self.measure == "auto" and system is first and not is_irregular(shape.vertices, problem.faces, problem.asked, problem.targets):
+        if self.measure == "auto" and not self.count and not is_irregular(shape.vertices, problem.faces, problem.asked, problem.targets):
             return None
         self.count += 1
-        met, told = system.equations.targets, first.smooth_targets(shape.vertices)
-        if np.abs(told - met)[first.asked].max(initial=0.0) <= self.still * first.scale:
+        met, told = system.layout, system.layout_at(shape.vertices)
+        if np.abs(told - met)[system.asked].max(initial=0.0) <= self.still * system.scale:
             return None
         self.rounds = [*self.rounds[-KEPT:], (met, told)]
-        return first.with_targets(self._mixed())
+        return system.with_layout(self._mixed())
 
     def _mixed(self) -> FloatArray:
-        """Return the targets that would stand still, were what a shape asks for linear in what it met."""
-        met, told = (np.array(targets).T for targets in zip(*self.rounds))
+        """Return the layout that would stand still, were that of a shape linear in the one it met."""
+        met, told = (np.array(layouts).T for layouts in zip(*self.rounds))
         if met.shape[1] == 1:
             return told[:, -1]
         left = (told - met)[self.first.asked]
@@ -81,6 +81,6 @@ class Stages:
 
     def measure_of(self, system: System) -> str:
         """Return the measure in which a shape that meets a system has its targets."""
-        if system is self.first:
-            return "defect"
-        return self.measure if self.measure in EXACT else "smooth"
+        if self.measure in EXACT:
+            return "defect" if system is self.first else self.measure
+        return "smooth" if system.layout.any() else "defect"

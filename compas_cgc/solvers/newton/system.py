@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from typing import Callable
 from typing import NamedTuple
 
@@ -81,6 +82,7 @@ class System:
         self.size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))  # diagonal of the model [L]
         self.equations: CurvatureEquations = CurvatureEquations(problem.faces, problem.targets, self.asked, self.asked)
         self.solver: LinearSolver = linear_solver(len(self.asked), points=problem.vertices[self.asked], backend=backend)
+        self.layout: FloatArray = np.zeros(len(problem.targets))  # angle defects over areas on a surface with K, less K [1/L^2]
         self.factorised = False  # whether there are factors of a matrix near to that of the next step
         self.measures = Measure(problem.vertices, problem.faces, problem.face_targets())
 
@@ -129,17 +131,24 @@ class System:
 
         return solve
 
-    def smooth_targets(self, vertices: Vertices) -> FloatArray:
-        """Return the targets (n,) by angle defects of a surface like a shape (n, 3) that has its own in the smooth measure."""
-        return self.problem.targets + layout_errors(vertices, self.problem.faces, self.problem.asked)
+    def layout_at(self, vertices: Vertices) -> FloatArray:
+        """Return the angle defects over areas (n,), other than K, that the layout of the mesh has on a surface like a shape (n, 3)."""
+        return layout_errors(vertices, self.problem.faces, self.problem.asked)
 
-    def with_targets(self, targets: FloatArray) -> System:
-        """Return the same system for other targets (n,)."""
-        system = copy.copy(self)
-        system.targets = targets[self.asked]
+    def with_layout(self, layout: FloatArray) -> System:
+        """Return the same system for angle defects that differ from the targets by those of a layout (n,)."""
+        system, targets = copy.copy(self), self.problem.targets + layout
+        system.layout, system.targets = layout, targets[self.asked]
         system.equations = copy.copy(self.equations)
         system.equations.targets = targets
         return system
+
+    def with_curvature(self, K: float) -> System:
+        """Return the same system for another K everywhere."""
+        system = copy.copy(self)
+        system.problem = replace(self.problem, targets=np.full(len(self.problem.targets), K))
+        system.scale = system.problem.target_scale
+        return system.with_layout(self.layout)
 
     def measure(self, vertices: Vertices) -> Shape:
         """Return the measures of a shape with vertices (n, 3), the mean curvature by Eq. 14."""

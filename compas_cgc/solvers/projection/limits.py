@@ -34,7 +34,7 @@ from ...model.problem import CGCProblem
 from ...model.result import Solution
 from ...model.verdict import verdict
 
-__all__ = ["Most", "limit"]
+__all__ = ["Most", "has_number", "limit", "number_had"]
 
 KINDS = (Height, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
 HALVINGS = 6
@@ -73,8 +73,8 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Mos
     free = found = solve(without, None)
     if free.status != "converged":
         return Most(f"without {goal_name(goal)} the rest cannot be met either")
-    had = _had(problem, goal, free)
-    others = [own for own in without.goals if _able(own)]
+    had = number_had(problem, goal, free.vertices)
+    others = [own for own in without.goals if has_number(own)]
     beside = f" with {listed([goal_name(own) for own in others])}" if others else _carrying(problem, goal, had)
     fair = _is_fair(problem, free)
     met, most = had, float(getattr(goal, number))
@@ -125,17 +125,18 @@ def _between(met: float, most: float) -> float:
 
 def _missed(problem: CGCProblem, solution: Solution) -> Optional[int]:
     """Return the place among the constraints of the goal with a number that is missed, or else of the first such goal."""
-    able = [place for place, goal in enumerate(problem.goals) if _able(goal)]
+    able = [place for place, goal in enumerate(problem.goals) if has_number(goal)]
     for place in able:
         goal = problem.goals[place]
-        had, wanted = _had(problem, goal, solution), float(getattr(goal, _number(goal)))
+        had, wanted = number_had(problem, goal, solution.vertices), float(getattr(goal, _number(goal)))
         short = wanted - had if not isinstance(goal, (Below, NearPlane)) else had - wanted
         if (short if isinstance(goal, Bound) else abs(short)) > 1e-6 * max(abs(wanted), abs(had)):
             return place
     return able[0] if able else None
 
 
-def _able(goal: Constraint) -> bool:
+def has_number(goal: Constraint) -> bool:
+    """Return whether a goal asks for one number of the whole surface."""
     if isinstance(goal, Height):
         return goal.vertices == CROWN if isinstance(goal.vertices, str) else False
     return isinstance(goal, KINDS)
@@ -145,12 +146,12 @@ def _number(goal: Constraint) -> str:
     return next(field.name for field in fields(goal) if field.name in ("rise", "volume", "area", "length", "height", "distance"))
 
 
-def _had(problem: CGCProblem, goal: Constraint, solution: Solution) -> float:
-    """Return what a solution has of what a goal asks for."""
+def number_had(problem: CGCProblem, goal: Constraint, vertices: FloatArray) -> float:
+    """Return what a surface (n, 3) has of the number that a goal asks for."""
     goals = bind(problem.with_goals([goal], add=False))
     number = float(getattr(goal, _number(goal)))
     if goals.equations:
-        value = goals.equations[0].value(solution.vertices)
+        value = goals.equations[0].value(vertices)
         return value - support_height(problem) if isinstance(goal, Rise) else value
-    slack = float(goals.sides[0].goal.slack(solution.vertices[goals.sides[0].candidates(problem.vertices)])[0].min(initial=0.0))
+    slack = float(goals.sides[0].goal.slack(vertices[goals.sides[0].candidates(problem.vertices)])[0].min(initial=0.0))
     return number - slack if isinstance(goal, (Below, NearPlane)) else number + slack
