@@ -12,6 +12,7 @@ from compas_cgc import Below
 from compas_cgc import CGCMesh
 from compas_cgc import Height
 from compas_cgc import Rise
+from compas_cgc import Volume
 from compas_cgc import solve
 
 
@@ -63,5 +64,5 @@ def test_limits_that_hold_anyway_change_no_K_that_is_found():
     rise = Rise(2.0)
     alone, limited = (solve(dome(), goals=goals, unknown="all") for goals in ([rise], [rise, Above(0.0), Below(3.0)]))
     assert limited.verdict.fair and (limited.vertices == alone.vertices).all()
-    low = solve(dome(), goals=[rise, Below(1.0)], unknown="all")
-    assert low.status == "infeasible" and "with 2 instead of the highest height 1" in low.message
+    low = solve(dome(), goals=[Volume(100.0), Below(1.5)], unknown="all")
+    assert low.status == "infeasible" and "with 1.8" in low.message and "instead of the highest height 1.5" in low.message
