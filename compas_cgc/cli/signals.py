@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import ExtensionFileLoader
@@ -49,7 +50,17 @@ def signals_in_kernels() -> Iterator[None]:
 @contextmanager
 def signals_repeated() -> Iterator[None]:
     """Repeat signals whose exceptions Python ignores, such as those in callbacks of weak references, which every import has."""
-    usual, thread = sys.unraisablehook, threading.get_ident()
+    usual, thread, hooked = sys.unraisablehook, threading.get_ident(), threading.Lock()
+
+    def repeat(number: int) -> None:
+        # Python ignores exceptions in the hook too.
+        with hooked:
+            pass
+        time.sleep(REPEAT_SECONDS)
+        if hasattr(signal, "pthread_kill"):
+            signal.pthread_kill(thread, number)
+        else:
+            signal.raise_signal(number)
 
     def hook(ignored: sys.UnraisableHookArgs) -> None:
         error = ignored.exc_value
@@ -60,21 +71,14 @@ def signals_repeated() -> Iterator[None]:
         else:
             usual(ignored)
             return
-        # Later, as Python ignores exceptions in this call too.
-        threading.Timer(REPEAT_SECONDS, _signal_thread, (thread, number)).start()
+        with hooked:
+            threading.Thread(target=repeat, args=(number,)).start()
 
     sys.unraisablehook = hook
     try:
         yield
     finally:
         sys.unraisablehook = usual
-
-
-def _signal_thread(thread: int, number: int) -> None:
-    if hasattr(signal, "pthread_kill"):
-        signal.pthread_kill(thread, number)
-    else:
-        signal.raise_signal(number)
 
 
 @contextmanager
