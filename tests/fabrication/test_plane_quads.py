@@ -180,7 +180,7 @@ def test_the_indices_of_a_field_around_an_umbilic_add_up_to_a_turn():
     operators = np.zeros((len(vertices), 3, 3))
     operators[:, 0, 0], operators[:, 1, 1] = 1.0 + x**2 - y**2, 1.0 - x**2 + y**2
     operators[:, 0, 1] = operators[:, 1, 0] = 2.0 * x * y
-    index = cross_field(vertices, faces, operators, 1.0, 0.1).indices
+    index = cross_field(vertices, faces, operators, 1.0, 0.1, 1e-3).indices
     assert index.sum() == 4 and index.max() == 1 and index.min() == 0
 
 
@@ -344,11 +344,13 @@ def test_quads_of_a_fourfold_roof_are_fourfold(spacing):
     assert quads.planarity.max() < 1e-5 and quads.dead_ends == 0
 
 
-@pytest.mark.parametrize("spacing", [1.0, 1.2])
-def test_no_line_ends_beside_corners_of_a_held_square(spacing):
+@pytest.mark.parametrize(
+    ("width", "K", "spacing"), [(8.0, 0.02, 1.0), (8.0, 0.02, 1.2), pytest.param(12.0, 0.015, 0.6, marks=pytest.mark.nightly)]
+)
+def test_no_line_ends_beside_corners_of_a_held_square(width, K, spacing):
     """Curvature varies most there, so that directions averaged over a part of the spacing have further singularities."""
-    mesh = CGCMesh.from_meshgrid(dx=8.0, nx=24)
+    mesh = CGCMesh.from_meshgrid(dx=width, nx=24)
     mesh.set_supports("boundary")
-    mesh.set_target(0.02)
+    mesh.set_target(K)
     quads = plane_quads(solve(mesh), spacing)
     assert quads.dead_ends == 0 and quads.planarity.max() < 1e-3

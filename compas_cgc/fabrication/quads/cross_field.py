@@ -18,7 +18,6 @@ from ...linalg import factorise
 
 __all__ = ["CrossField", "cross_field"]
 
-RIM_WEIGHT = 1e-3  # of the alignment with the rim, against that with distinct principal directions
 PLAN_WEIGHT = 1e-3  # of the alignment with the axes of the plan, which splits a multiple singularity into simple ones
 QUARTER = 0.5 * np.pi
 
@@ -33,7 +32,7 @@ class CrossField(NamedTuple):
     indices: IntArray  # (n,) index of the cross field in quarters of a turn, 0 where it is regular; 0 on the rim
 
 
-def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, square: float, length: float) -> CrossField:
+def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, square: float, length: float, rim_weight: float) -> CrossField:
     r"""Return the smoothest crosses that follow distinct principal directions and, where these are alike, their surroundings.
 
     A cross at the angle :math:`\theta` is the complex number :math:`z = e^{4 i \theta}`. The field minimises
@@ -53,6 +52,8 @@ def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, square:
         Square of the typical curvature k of the region, such as K > 0 [1/L²].
     length
         Length over which directions are smoothed [L].
+    rim_weight
+        Weight of the alignment with the rim, against that with distinct principal directions.
 
     References
     ----------
@@ -75,7 +76,7 @@ def cross_field(vertices: Vertices, faces: Faces, operators: FloatArray, square:
     weight = area * np.minimum(apart / square, 1.0) / length**2
     aim = weight * np.where(apart > 0.0, half**2 / np.maximum(apart, np.finfo(float).tiny), 0.0)
 
-    ahead = np.linalg.norm(vertices[rim[:, 1]] - vertices[rim[:, 0]], axis=1) * RIM_WEIGHT / length
+    ahead = np.linalg.norm(vertices[rim[:, 1]] - vertices[rim[:, 0]], axis=1) * rim_weight / length
     np.add.at(weight, rim[:, 2], ahead)
     np.add.at(aim, rim[:, 2], ahead * np.exp(4j * _angle(axes, vertices, rim, 2)))
 

@@ -46,8 +46,9 @@ from .symmetry import symmetrised
 
 __all__ = ["plane_quads"]
 
-# Of the spacing, over which directions are averaged, until singularities are far enough apart and no line ends inside.
-SMOOTHING = (0.3, 0.6, 1.2, 2.4)
+# Lengths over which directions are averaged, relative to the spacing, and weights of the rim, tried until singularities are far enough
+# apart and no line ends inside. Near the corners of steep domes principal directions turn fast; the last field follows the rim there.
+FIELDS = ((0.3, 1e-3), (0.6, 1e-3), (1.2, 1e-3), (2.4, 1e-3), (4.8, 1.0))
 FINENESS = 0.25  # of the spacing, below which the edges of the mesh are divided
 FLATNESS = 1e-3  # of the spacing, gap between diagonals below which faces count as plane
 MAX_DIVISIONS = 3
@@ -158,8 +159,8 @@ def _laid_out(vertices: Vertices, faces: Faces, K: Optional[float], spacing: flo
         sides = [side for loop, own in zip(loops, turns) for side in _sides(loop, own)]
     # Directions vary much near point supports and corners of held rims, which adds singularities where lines would end.
     tried, doubtful = list[tuple[tuple[bool, int, float], _Layout]](), list[_Layout]()
-    for length in SMOOTHING:
-        field = cross_field(fine, triangles, S, typical, length * spacing)
+    for length, rim_weight in FIELDS:
+        field = cross_field(fine, triangles, S, typical, length * spacing, rim_weight)
         found = extracted(fine, triangles, parametrised(fine, triangles, field, spacing, sides, density), spacing, kinks)
         if not found.faces or not all(len(face) == 4 for face in found.faces if not found.rim[face].any()):
             continue
