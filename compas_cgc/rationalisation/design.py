@@ -17,6 +17,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
 from ..errors import MeshError
+from ..linalg import SingularMatrixError
 from ..meshing import triangles_of
 from ..meshing.boundary import boundary_loops
 from ..model.problem import Drawing
@@ -222,7 +223,10 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
     else:
         over = unwrapped(vertices, faces)
     points = vertices[over.vertices]
-    fitted = fitted_surface(over.uv, points, wanted, over.period, over.poles)
+    try:
+        fitted = fitted_surface(over.uv, points, wanted, over.period, over.poles)
+    except SingularMatrixError:
+        raise MeshError("the mesh has too few faces to fit a smooth surface through it; refine it, or give a NURBS surface") from None
     if chart is None and fitted.deviation > wanted:
         corrected = fitted_surface(over.uv, points, wanted, over.period, over.poles, CORRECTIONS)
         fitted = min(fitted, corrected, key=lambda own: own.deviation)

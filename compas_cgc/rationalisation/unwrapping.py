@@ -25,6 +25,7 @@ LARGEST_SCALE = 3.0  # of lengths of a conformal map, from which a surface close
 SECOND = 0.25  # of the longest rim, from which the second longest is an end of a tube and not a hole
 BINS = 64  # along a tube, over which its lengths are measured
 STIFFEST = 1e-9  # of the mean cotangent weight, that every edge has at least, so that maps exist on meshes with slivers
+TOO_FEW = "the closed design has too few faces to find its shape; refine the mesh"
 
 
 class Unwrapped(NamedTuple):
@@ -158,16 +159,17 @@ def _to_poles(vertices: FloatArray, faces: IntArray, rims: list[IntArray], ends:
     """Return the parameters of a surface between a rim and a pole, or two poles."""
     around = [(faces == end).any(axis=1) for end in ends]
     if np.count_nonzero(np.array(around), axis=0).max() > 1:
-        raise MeshError("the closed design has too few faces to find its shape; refine the mesh")
+        raise MeshError(TOO_FEW)
     body = faces[~np.any(around, axis=0)]
     rings = [np.setdiff1d(faces[own], [end]) for own, end in zip(around, ends)]
     loops = boundary_loops(body)
-    if len(loops) != 2 + len(holes):
+    closing = [loop for ring in rings for loop in loops if np.isin(loop, ring).all()]
+    if len(loops) != 2 + len(holes) or len(closing) != len(rings):
         raise MeshError(
             "a pole of the closed design, its lowest or highest vertex or the one farthest from its rim, has no ring of faces around it; "
             "repair or refine the mesh"
         )
-    sides = [*rims, *(next(loop for loop in loops if np.isin(loop, ring).all()) for ring in rings)]
+    sides = [*rims, *closing]
     uv, own = _around_and_along(vertices, body, sides[0], sides[1])
     uv = _turned_as(body, uv, own, np.array([1.0, np.inf]))
     uv[:, 0] = _started_beside(uv[:, 0], own, holes)
@@ -230,7 +232,10 @@ def _turn(vertices: FloatArray, faces: IntArray, uv: FloatArray, used: IntArray)
     every[used] = uv
     one, other = (every[faces[:, k]] - every[faces[:, 0]] for k in (1, 2))
     one[:, 0], other[:, 0] = (step[:, 0] - np.round(step[:, 0]) for step in (one, other))
-    return 2.0 * _area(vertices, faces) / float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+    covered = float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+    if not covered > 0.0:
+        raise MeshError(TOO_FEW)
+    return 2.0 * _area(vertices, faces) / covered
 
 
 def _started_beside(u: FloatArray, used: IntArray, holes: list[IntArray]) -> FloatArray:

@@ -183,3 +183,11 @@ def test_what_cannot_be_unwrapped_is_refused_with_the_cause():
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     with pytest.raises(MeshError, match="too few faces|deviates"):
         read_design((corners, quads))
+    # Lying cylinders, whose lowest and highest vertex are on the rims of their caps.
+    for n in (6, 12):
+        turn, k = np.linspace(0.0, 2.0 * np.pi, n + 1)[:-1], np.arange(n)
+        ring, after = np.column_stack([0.0 * turn, np.cos(turn), np.sin(turn)]), np.roll(k, -1)
+        places = np.concatenate([ring, ring + [2.0, 0.0, 0.0], [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]])
+        sides = [[k, after, k + n], [after, after + n, k + n], [after, k, 0 * k + 2 * n], [k + n, after + n, 0 * k + 2 * n + 1]]
+        with pytest.raises(MeshError, match="refine"):
+            read_design((places, np.concatenate([np.column_stack(own) for own in sides])))
