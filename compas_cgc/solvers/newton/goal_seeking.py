@@ -22,6 +22,7 @@ MOST = 30  # steps
 ARMIJO = 1e-4  # part of the expected decrease that a step must bring
 MET = 1e-13  # of a goal, in the local frame, that is rounding
 LARGEST = 0.5  # change of K in a step, as a part of it
+GUESSES = 6  # for K, each half of the one before: the cap of a high rise over a disk has more than narrower plans carry
 
 Sought = tuple[str, str, System]  # status, what was noticed, and the system with the K that was found
 
@@ -29,20 +30,22 @@ Sought = tuple[str, str, System]  # status, what was noticed, and the system wit
 def steps_to_goal(system: System, start: Shape, goal: Equation, settings: NewtonSettings) -> Generator[Step, None, Sought]:
     r"""Yield steps to the shape and the K that meet the goal c; return how they ended, and the system with that K.
 
-    After elliptic steps for the guessed K, unless the start is near that, every step solves
+    Elliptic steps lead to the guessed K, unless the start is near that, or to the first of its halves that the rim carries. Every step
+    from there solves
 
     .. math:: \begin{pmatrix} J & -A \\ \nabla c & 0 \end{pmatrix} \begin{pmatrix} du \\ dK \end{pmatrix}
               = \begin{pmatrix} -r \\ h - c \end{pmatrix}
 
     by two solutions of one factorisation.
     """
-    shape = start
+    shape, K = start, float(system.problem.targets[system.asked[0]])
+    begun = is_near(system, start)
+    for _ in range(GUESSES):
+        if begun:
+            break
+        shape, begun = yield from _begun(system.with_curvature(K), start, settings)
+        K = K if begun else 0.5 * K
     try:
-        if not is_near(system, start):
-            for step in elliptic_steps(system, start, settings.anisotropy):
-                shape = step.shape
-                yield step
-        K = float(system.problem.targets[system.asked[0]])
         for _ in range(MOST):
             own = system.with_curvature(K)
             shape = own.measure(shape.vertices)
@@ -57,6 +60,20 @@ def steps_to_goal(system: System, start: Shape, goal: Equation, settings: Newton
     except SingularMatrixError:
         return "stalled", "singular", system
     return "stalled", "target", system.with_curvature(K)
+
+
+def _begun(system: System, start: Shape, settings: NewtonSettings) -> Generator[Step, None, tuple[Shape, bool]]:
+    """Yield elliptic steps; return where they end, and whether that is near the targets."""
+    steps, shape = elliptic_steps(system, start, settings.anisotropy), start
+    while True:
+        try:
+            step = next(steps)
+        except StopIteration as end:
+            return shape, end.value
+        except SingularMatrixError:
+            return shape, False
+        shape = step.shape
+        yield step
 
 
 def _step(system: System, shape: Shape, K: float, goal: Equation, shortest: float) -> Optional[tuple[Step, float]]:

@@ -39,6 +39,14 @@ def test_a_rise_over_a_fixed_edge(rise):
     assert plain.vertices[:, 2].max() == pytest.approx(abs(rise), rel=2e-3), "vertices slide differently"
 
 
+def test_a_rise_near_half_of_the_span_is_found_from_less():
+    """The cap of that rise over the width has more K than a square carries, so the search begins with the half of it."""
+    result = solve(square(20), goals=[Rise(6.7)], unknown="all")
+    assert result.verdict.fair and result.vertices[:, 2].max() == pytest.approx(6.7)
+    plain = solve(square(20, target=result.problem.region_targets()[0]))
+    assert plain.vertices[:, 2].max() == pytest.approx(6.7, rel=1e-2), "near the limit the rise changes much with K"
+
+
 def test_a_volume_and_an_area():
     for goal, measured in ((Volume(300.0), lambda x, f: volume(x, f, 0.0) - 300.0), (Area(260.0), lambda x, f: area(x, f) - 260.0)):
         result = solve(square(20), goals=[goal], unknown="all", method="newton")
