@@ -80,13 +80,13 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         if held_by_newton(problem):
             return [ONE_UNKNOWN, PLAIN_UNKNOWN, GOALS]
+        folded = is_held_all_round(problem, folded=True)
         if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
-            return [SOUGHT, GOALS]
+            return [SOUGHT._replace(then=RIM) if folded else SOUGHT, GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.
         loose = has_free_edges(problem) or len(problem.creases)
         if not loose or not takes_goals(problem) or keeps_shape(problem):
             return [GOALS]
-        folded = is_held_all_round(problem, folded=True) and not finds_constants(problem)
         return [MEETS._replace(then=RIM) if folded else MEETS, GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():

@@ -15,7 +15,6 @@ from ..errors import Sentence
 from ..errors import joined
 from ..model.constraints import Constraint
 from ..model.constraints import Height
-from ..model.constraints import PositionConstraint
 from ..model.goals.binding import bind
 from ..model.goals.binding import held_by_newton
 from ..model.goals.binding import unknown_constants
@@ -28,8 +27,10 @@ from ..model.problem import CGCProblem
 from ..model.result import Solution
 from .projection.limits import has_number
 from .projection.limits import number_had
+from .projection.limits import number_of
+from .projection.limits import with_number
 
-__all__ = ["determining", "held_to_goals", "missed_goal"]
+__all__ = ["determining", "held_to_goals", "missed_goal", "with_missed_added"]
 
 MISSED = 1e-6  # of a number or of the size of the mesh, from which a goal is not met
 MEND = "ask for another K, or free a part of the rim"
@@ -42,9 +43,9 @@ def determining(problem: CGCProblem) -> Optional[CGCProblem]:
     """Return a problem with those goals alone that determine its surface together with the rim and K > 0; None where they do not.
 
     Among the graphs over a plan it is unique on either side (comparison principle of the Monge-Ampère equation). One unknown K needs one
-    goal; all others can only be held against the surface.
+    goal; all others can only be held against the surface. Places of vertices are no such goals: they pull at the surface as masts do.
     """
-    if not all(isinstance(goal, (Whole, Bound, PositionConstraint, Unknown)) for goal in problem.goals):
+    if not all(has_number(goal) or isinstance(goal, (Bound, Unknown)) for goal in problem.goals):
         return None
     needed = [goal for goal in problem.goals if not isinstance(goal, Bound)] if unknown_constants(problem) else []
     alone = problem.with_goals(needed, add=False)
@@ -109,6 +110,18 @@ def missed_goal(problem: CGCProblem, solution: Solution) -> Optional[_Missed]:
         if away > MISSED:
             return _Missed(goal, _words(solution.with_found(problem), goal, solution.vertices, away * size))
     return None
+
+
+def with_missed_added(asked: CGCProblem, problem: CGCProblem, vertices: FloatArray) -> Optional[CGCProblem]:
+    """Return a problem whose goals ask for what those of another one miss on a surface (n, 3), too; None where one has no number."""
+    goals = []
+    for own, goal in zip(asked.goals, problem.goals):
+        if has_number(goal) and not isinstance(goal, Bound):
+            own = with_number(own, number_of(own) + number_of(goal) - number_had(problem, goal, vertices))
+        elif not isinstance(goal, (Bound, Unknown)):
+            return None
+        goals.append(own)
+    return asked.with_goals(goals, add=False)
 
 
 def _away(problem: CGCProblem, vertices: FloatArray, size: float) -> float:

@@ -28,6 +28,7 @@ from .choices import choose
 from .determined import determining
 from .determined import held_to_goals
 from .determined import missed_goal
+from .determined import with_missed_added
 from .drawn_side import hangs
 from .drawn_side import is_drawn_below
 from .evened import evened
@@ -48,6 +49,7 @@ __all__ = ["finished", "run_auto", "run_method"]
 
 BELOW = "it goes to the side that it is drawn on, or a goal asks for, away from its normals, along which a flat drawing would go"
 EVENED = "the surface is far from the drawing, whose triangles were laid out evenly over it"
+CORRECTIONS = 8  # of goals; every one leaves about a tenth of what was missed
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -155,18 +157,38 @@ def finished(
     """Return the surface that is found by the second method of a choice between the creases of a solution; the solution if it is not fair.
 
     Beside straight fixed edges, where one principal curvature is unbounded for K̄ > 0, mid-edge normals are less accurate than
-    the smooth measure of Newton's method, which moves no creases.
+    the smooth measure of Newton's method, which moves no creases. Goals that determine unknown K are asked for with what they
+    miss on that surface added, until they are met there (deferred correction).
     """
-    then = choice.then
-    if then is None or solution.status != "converged":
+    if choice.then is None:
         return solution
-    found = problem.with_goals([], add=False).with_vertices(solution.vertices)
+    first, numbers = solution, problem
+    for _ in range(CORRECTIONS):
+        if solution.status != "converged":
+            return first
+        between = _between_creases(solution, problem, choice.then, settings, callback)
+        if between is None or missed_goal(problem, between) is None:
+            return between or first
+        corrected = with_missed_added(numbers, problem, between.vertices)
+        if solution.targets is None or corrected is None:
+            return first
+        numbers = corrected
+        solution = run_method(METHODS[choice.method], numbers, settings=settings, options=choice.options, callback=callback)
+    return first
+
+
+def _between_creases(
+    solution: Solution, problem: CGCProblem, then: Choice, settings: Optional[Settings], callback: Callback
+) -> Optional[Solution]:
+    """Return the fair surface with the K and the creases of a solution, None where there is none."""
+    posed = solution.with_found(problem).with_goals([], add=False)
+    found = posed.with_vertices(solution.vertices)
     found = found.with_opposite_normals() if is_drawn_below(found) else found
-    between = run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback)
-    between = _judged(between, problem, callback)
-    if between.verdict is None or not between.verdict.fair or missed_goal(problem, between) is not None:
-        return solution
-    return between._replace(message=joined([between.message, "between the creases of a surface that bends and folds least"], " "))
+    between = _judged(run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback), posed, callback)
+    if between.verdict is None or not between.verdict.fair:
+        return None
+    message = joined([between.message, "between the creases of a surface that bends and folds least"], " ")
+    return between._replace(message=message, targets=solution.targets)
 
 
 def _judged(solution: Solution, problem: CGCProblem, callback: Callback) -> Solution:

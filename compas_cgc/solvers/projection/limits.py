@@ -34,7 +34,7 @@ from ...model.problem import CGCProblem
 from ...model.result import Solution
 from ...model.verdict import verdict
 
-__all__ = ["Most", "has_number", "limit", "number_had"]
+__all__ = ["Most", "has_number", "limit", "number_had", "number_of", "with_number"]
 
 KINDS = (Height, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
 HALVINGS = 6
@@ -68,7 +68,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Mos
     missed = _missed(problem, solution)
     if missed is None:
         return None
-    goal, number = problem.goals[missed], _number(problem.goals[missed])
+    goal = problem.goals[missed]
     without = problem.with_goals(problem.goals[:missed] + problem.goals[missed + 1 :], add=False)
     free = found = solve(without, None)
     if free.status != "converged":
@@ -77,12 +77,11 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Mos
     others = [own for own in without.goals if has_number(own)]
     beside = f" with {listed([goal_name(own) for own in others])}" if others else _carrying(problem, goal, had)
     fair = _is_fair(problem, free)
-    met, most = had, float(getattr(goal, number))
+    met, most = had, number_of(goal)
     for _ in range(HALVINGS):
         middle = _between(met, most)
         tried = list(problem.goals)
-        changed: dict[str, Any] = {number: middle}
-        tried[missed] = replace(goal, **changed)
+        tried[missed] = with_number(goal, middle)
         asked = problem.with_goals(tried, add=False)
         # What has no good start of its own is led up to.
         try:
@@ -95,7 +94,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Mos
         else:
             most = middle
     # Less of a goal is a part of it, and more is not.
-    more = abs(met) > abs(float(getattr(goal, number)))
+    more = abs(met) > abs(number_of(goal))
     words = f"{'instead of' if more else 'of'} {goal_name(goal)} about {met:.4g} can be had{beside}"
     last = solve(problem, found.vertices)
     return Most(words, last if last.status == "converged" and _is_fair(problem, last) else None)
@@ -128,7 +127,7 @@ def _missed(problem: CGCProblem, solution: Solution) -> Optional[int]:
     able = [place for place, goal in enumerate(problem.goals) if has_number(goal)]
     for place in able:
         goal = problem.goals[place]
-        had, wanted = number_had(problem, goal, solution.vertices), float(getattr(goal, _number(goal)))
+        had, wanted = number_had(problem, goal, solution.vertices), number_of(goal)
         short = wanted - had if not isinstance(goal, (Below, NearPlane)) else had - wanted
         if (short if isinstance(goal, Bound) else abs(short)) > 1e-6 * max(abs(wanted), abs(had)):
             return place
@@ -142,14 +141,25 @@ def has_number(goal: Constraint) -> bool:
     return isinstance(goal, KINDS)
 
 
-def _number(goal: Constraint) -> str:
+def number_of(goal: Constraint) -> float:
+    """Return the number that a goal asks for."""
+    return float(getattr(goal, _field(goal)))
+
+
+def with_number(goal: Constraint, number: float) -> Constraint:
+    """Return the same goal for another number."""
+    changed: dict[str, Any] = {_field(goal): number}
+    return replace(goal, **changed)
+
+
+def _field(goal: Constraint) -> str:
     return next(field.name for field in fields(goal) if field.name in ("rise", "volume", "area", "length", "height", "distance"))
 
 
 def number_had(problem: CGCProblem, goal: Constraint, vertices: FloatArray) -> float:
     """Return what a surface (n, 3) has of the number that a goal asks for."""
     goals = bind(problem.with_goals([goal], add=False))
-    number = float(getattr(goal, _number(goal)))
+    number = number_of(goal)
     if goals.equations:
         value = goals.equations[0].value(vertices)
         return value - support_height(problem) if isinstance(goal, Rise) else value
