@@ -108,12 +108,14 @@ def read_archive(path: Union[str, os.PathLike]) -> Archive:
     Raises
     ------
     FileError
-        If the file does not exist or is not a complete .3dm file.
+        If the file does not exist or is not a complete .3dm file, or rhino3dm is missing.
     """
     name = Path(path)
     _check_frame(name)
+    # First, as the child process could not tell that it is missing.
+    rhino3dm = rhino3dm_module()
     _check_in_child(name)
-    archive = rhino3dm_module().File3dm.Read(str(name))
+    archive = rhino3dm.File3dm.Read(str(name))
     if archive is None:
         raise _damaged(name)
     return archive

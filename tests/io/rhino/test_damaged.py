@@ -130,3 +130,12 @@ def test_inside_rhino_no_second_rhino_is_started(whole, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "executable", "/Applications/Rhinoceros")
     monkeypatch.setattr("compas_cgc.io.rhino.archive.subprocess.run", None)
     assert len(read_archive(path).Objects) == 6
+
+
+def test_where_rhino3dm_is_missing_the_file_is_not_blamed(whole, tmp_path, monkeypatch):
+    (tmp_path / "rhino3dm.py").write_text("raise ImportError")
+    (tmp_path / "a.3dm").write_bytes(whole)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    script = "import sys, compas_cgc; compas_cgc.read(sys.argv[1])"
+    done = subprocess.run([sys.executable, "-c", script, str(tmp_path / "a.3dm")], capture_output=True, text=True)
+    assert "requires rhino3dm; install it: pip install 'compas_cgc[rhino]'" in done.stderr and "damaged" not in done.stderr
