@@ -28,6 +28,7 @@ from .formats import FORMATS
 from .formats import READ_SUFFIXES
 from .formats import WRITTEN_SUFFIXES
 from .formats import listed
+from .occt import opencascade
 from .reading import ReadProblem
 
 if TYPE_CHECKING:
@@ -328,14 +329,21 @@ def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     Raises
     ------
     FileError
-        If the format is not supported.
+        If the format is not supported, or the package that writes it is not installed.
 
     Examples
     --------
     >>> known_suffix("Roof.3DM")
     '.3dm'
     """
-    return _suffix_among(path, WRITTEN_SUFFIXES)
+    suffix = _suffix_among(path, WRITTEN_SUFFIXES)
+    if suffix == ".3dm":
+        from .rhino.archive import rhino3dm_module
+
+        rhino3dm_module()
+    elif FORMATS[suffix].surfaces:
+        opencascade()
+    return suffix
 
 
 def _suffix_among(path: PathLike, suffixes: tuple[str, ...]) -> str:

@@ -427,6 +427,14 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_solve(tmp_path, 
     assert "the format '.xyz' is not supported; use .3dm" in said.err and not said.out
 
 
+@pytest.mark.parametrize("output, missing, extra", [("a.3dm", "rhino3dm", "rhino"), ("a.step", "compas_occt._occt", "cad")])
+def test_a_package_that_is_missing_is_told_before_the_solve(tmp_path, capsys, monkeypatch, output, missing, extra):
+    monkeypatch.setitem(sys.modules, missing, None)
+    assert main(["solve", str(tmp_path / "nothing.obj"), "-o", str(tmp_path / output), "--target", "1"]) == 2
+    said = capsys.readouterr()
+    assert f"pip install 'compas_cgc[{extra}]'" in said.err and not said.out
+
+
 @pytest.mark.parametrize(
     "words, sentence",
     [
