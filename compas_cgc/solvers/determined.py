@@ -48,9 +48,10 @@ def determining(problem: CGCProblem) -> Optional[CGCProblem]:
     if not all(has_number(goal) or isinstance(goal, (Bound, Unknown)) for goal in problem.goals):
         return None
     needed = [goal for goal in problem.goals if not isinstance(goal, Bound)] if unknown_constants(problem) else []
+    if len(needed) == len(problem.goals):
+        return None
     alone = problem.with_goals(needed, add=False)
-    fulfilled = held_by_newton(alone) if needed else is_held_all_round(problem)
-    return alone if fulfilled and len(needed) < len(problem.goals) else None
+    return alone if (held_by_newton(alone) if needed else is_held_all_round(alone)) else None
 
 
 def held_to_goals(problem: CGCProblem, alone: CGCProblem, solve: Callable[[CGCProblem], Solution]) -> Solution:

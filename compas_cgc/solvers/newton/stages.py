@@ -34,7 +34,7 @@ class Stages:
     measure
         The one asked for.
     tolerance
-        Change of that, against the largest target, that is none, where that is more than rounding leaves.
+        Change of the layout, relative to the largest target, that counts as none; at least what rounding leaves.
     """
 
     def __init__(self, first: System, measure: str, tolerance: float):
