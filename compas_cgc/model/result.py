@@ -83,6 +83,11 @@ class Solution(NamedTuple):
     branches: tuple[Branch, ...] = ()  # that were found, the one returned first
     laws: Optional[Mapping[int, Law]] = None  # by region including solved unknowns, None if all were given
 
+    @property
+    def is_fair(self) -> bool:
+        """Whether the surface was judged, and is fair."""
+        return self.verdict is not None and self.verdict.fair
+
     def with_found(self, problem: CGCProblem) -> CGCProblem:
         """Return a problem with the unknown targets and constants of laws that were found for it."""
         found = problem if self.targets is None else problem.with_targets(self.targets)

@@ -71,9 +71,9 @@ def held_to_goals(problem: CGCProblem, alone: CGCProblem, solve: Callable[[CGCPr
     if missed is not None and not isinstance(missed.goal, Bound):
         # Limits say nothing of a side, but a rise may be meant downwards.
         other = solve(alone.with_opposite_normals())
-        if _is_fair(other) and missed_goal(problem, other) is None:
+        if other.is_fair and missed_goal(problem, other) is None:
             drawn, missed = other, None
-    if not _is_fair(drawn):
+    if not drawn.is_fair:
         return drawn
     if missed is None:
         return drawn._replace(message=joined([drawn.message, HELD]))
@@ -93,14 +93,10 @@ def _met_by(problem: CGCProblem, goal: Constraint, solve: Callable[[CGCProblem],
     if not isinstance(goal, Whole):
         return ""
     found = solve(problem.with_goals([goal, Unknown()], add=False))
-    if not _is_fair(found) or found.targets is None:
+    if not found.is_fair or found.targets is None:
         return ""
     K = float(f"{found.targets[problem.asked][0]:.3g}")
     return Sentence(f"; K = {K:.3g} has it", [Remedy("targets", K)])
-
-
-def _is_fair(solution: Solution) -> bool:
-    return solution.verdict is not None and solution.verdict.fair
 
 
 def missed_goal(problem: CGCProblem, solution: Solution) -> Optional[_Missed]:

@@ -11,7 +11,6 @@ from ..discrete import boundary_vertices
 from ..discrete import face_areas
 from ..discrete import vertex_areas
 from ..discrete.normals import face_normals
-from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
@@ -33,29 +32,30 @@ def with_larger_cap(problem: CGCProblem, solution: Solution, callback: Callback 
     Parameters
     ----------
     problem
-        With the vertices of the drawing.
+        With the vertices of the drawing, held all round, with K > 0.
     solution
         A fair surface.
     callback
         Called after every step, with the vertices of the solution.
     """
-    held = any(is_held_all_round(problem, folded) for folded in (False, True))
-    if not held or problem.goals or solution.branches[1:] or not _stands_upright(problem):
+    if problem.goals or solution.branches[1:] or not _stands_upright(problem):
         return solution
     shown = callback and (lambda state: callback(state._replace(vertices=solution.vertices)))
     larger = problem.with_vertices(2.0 * problem.vertices - solution.vertices)
     factor = max(1.0, _total_curvature(problem) / GROWTH)
     while True:
         found = polish(larger.with_targets(factor * problem.targets), start=larger.vertices, callback=shown)
-        if found.verdict is None or not found.verdict.fair:
+        if not found.is_fair:
             return solution
         larger = problem.with_vertices(found.vertices)
         if factor == 1.0:
             break
         factor = max(1.0, factor / GROWTH)
     areas = [float(face_areas(vertices, problem.faces).sum()) for vertices in (found.vertices, problem.vertices, solution.vertices)]
+    if areas != sorted(areas, reverse=True):
+        return solution
     smaller = polish(problem.with_vertices(solution.vertices), start=solution.vertices, callback=shown)
-    if areas != sorted(areas, reverse=True) or not smaller.branches:
+    if not smaller.branches:
         return solution
     own = smaller.branches[0]._replace(vertices=solution.vertices, fair=True)
     return solution._replace(branches=(own, found.branches[0]), message=f"{solution.message}; {ALSO}")

@@ -108,12 +108,12 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         even = None if judged is None or judged.fair else evened(posed, solution.vertices)
         if even is not None:
             again = own.solved(posed.with_vertices(even), problem.with_vertices(even))
-            if again.verdict is not None and again.verdict.fair:
+            if again.is_fair:
                 solution, judged = again._replace(message=joined([again.message, EVENED])), again.verdict
         tried.append((solution, choice))
         if judged is not None:
             if judged.fair:
-                return _told(with_larger_cap(problem, solution, callback), choice, tried)
+                return _told(with_larger_cap(problem, solution, callback) if held else solution, choice, tried)
             rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             break
@@ -185,7 +185,7 @@ def _between_creases(
     found = posed.with_vertices(solution.vertices)
     found = found.with_opposite_normals() if is_drawn_below(found) else found
     between = _judged(run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback), posed, callback)
-    if between.verdict is None or not between.verdict.fair:
+    if not between.is_fair:
         return None
     message = joined([between.message, "between the creases of a surface that bends and folds least"], " ")
     return between._replace(message=message, targets=solution.targets)

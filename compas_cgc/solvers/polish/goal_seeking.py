@@ -160,7 +160,7 @@ class _Seeker:
         for halvings in range(FIRST):
             logs = np.maximum(np.full(len(self.unknown), math.log(factor) - halvings * LONGEST), self.bounds[0])
             tried.append(self._at(logs, None))
-            if tried[-1].solution.status == "cancelled" or _is_fair(tried[-1]):
+            if tried[-1].solution.status == "cancelled" or tried[-1].solution.is_fair:
                 return tried[-1]
         return next((here for here in tried if here.solution.status == "converged"), tried[-1])
 
@@ -205,7 +205,7 @@ class _Seeker:
             if there.solution.status == "cancelled":
                 return there
             # Beyond a fair surface another may be as high, with folds.
-            sound = there.solution.status == "converged" and (_is_fair(there) or not _is_fair(here))
+            sound = there.solution.status == "converged" and (there.solution.is_fair or not here.solution.is_fair)
             if sound and there.distance <= (1.0 - DECREASE) * here.distance:
                 return there
             if sound and there.distance > STUCK * before and there.energy < here.energy:
@@ -283,10 +283,6 @@ class _Seeker:
 def _constant(law: Law) -> float:
     assert law.constant is not None, "laws without a constant have been refused"
     return law.constant
-
-
-def _is_fair(here: _Here) -> bool:
-    return here.solution.verdict is not None and here.solution.verdict.fair
 
 
 def _is_against_normals(problem: CGCProblem) -> bool:

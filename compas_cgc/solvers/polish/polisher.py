@@ -170,7 +170,7 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
         if evenness and settings.evenness is None:
             solution = solution._replace(message=joined([solution.message, EVENLY.format(evenness)]))
         found.append(_Found(solution, evenness))
-        if solution.status == "cancelled" or (solution.verdict is not None and solution.verdict.fair):
+        if solution.status == "cancelled" or solution.is_fair:
             return found[-1]
         if is_spent():
             break
