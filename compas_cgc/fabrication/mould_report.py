@@ -94,7 +94,7 @@ class PanelFit:
     faces: Faces  # (f, 3) faces, flipped if the panel is concave towards its normals
     on_mould: Vertices  # (p, 3) vertices on the mould, whose pole is at the origin [L]
     into_place: Fit  # best rigid motion from the mould to the position
-    stresses: FloatArray  # (f,) stress of bending of every face [MPa]
+    stresses: FloatArray  # (f,) stress of bending of every face, the mean over its corners [MPa]
     singular: bool  # whether its largest stress grows as the mesh is refined, as at point supports
     sag: float  # largest distance of the edges of its flat triangles from the smooth surface [mm]
 

@@ -296,7 +296,7 @@ def _fitted(
         return _changes(mould.surface, piece, space_form.rotation(angle), operators) / unit
 
     def stresses_of(changes: FloatArray) -> FloatArray:
-        return 1e-6 * plate_stress(material, 1e-3 * thickness, changes).max(axis=1)
+        return 1e-6 * plate_stress(material, 1e-3 * thickness, changes)
 
     angle = _heading(piece.there.on_form, vertices)
     if not mould.surface.isotropic:
@@ -320,7 +320,7 @@ def _fitted(
         piece.parts.faces,
         places,
         nearest,
-        stresses[piece.parts.within],
+        stresses.mean(axis=1)[piece.parts.within],
         bool(singular[piece.parts.whole].any()),
         1e3 * unit * _sag(piece.places, operators[piece.parts.own_faces]),
     )

@@ -89,7 +89,7 @@ def test_stress_is_that_of_an_independent_evaluation_and_not_below(K):
     for fit in report.panels:
         changes = independent(fit, report.moulds[0], K)
         stress = 1e-6 * plate_stress(report.material, 6e-3, changes)
-        ratios.append(fit.stresses / stress.max(axis=1))
+        ratios.append(fit.stresses / stress.mean(axis=1))
         assert fit.stress == pytest.approx(stress.max(), rel=0.05) and fit.stress >= 0.9995 * stress.max()
     ratios = np.concatenate(ratios)
     assert np.median(ratios) == pytest.approx(1.0, abs=0.01) and 0.97 < ratios.min() and ratios.max() < 1.05
@@ -104,6 +104,16 @@ def test_stress_converges_under_refinement(K):
     coarse, fine = (np.array([max(fit.stress for fit in own.panels), own.stress_95]) for own in reports)
     assert coarse == pytest.approx(fine, rel=0.05)
     assert f"bending stress on 95 % of the area: at most {reports[1].stress_95:.2g} MPa" in str(reports[1])
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("K", [0.01, -0.01], ids=["dome", "saddle"])
+def test_stress_on_most_of_a_solved_roof_converges_under_refinement(K):
+    coarse, fine = (
+        moulds(roof, panels(roof, 1.25)).stress_95
+        for roof in (solve(CGCProblem(*grid(n, 15.0)).with_supports("corners").with_targets(K)) for n in (24, 48))
+    )
+    assert coarse == pytest.approx(fine, rel=0.1)
 
 
 def test_stress_beside_a_held_wall_is_stated_apart_from_that_of_other_panels():
