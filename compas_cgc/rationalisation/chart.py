@@ -13,6 +13,11 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..linalg import factorise
+from .creased_surface import CreasedSurface
+from .cut_functions import CreasedMesh
+from .cut_functions import CutFunctions
+from .cut_functions import cut_functions
+from .cut_functions import span_widths
 from .spline_surface import SplineSurface
 
 __all__ = ["Chart", "Fitted", "chart_of", "fitted_surface"]
@@ -76,6 +81,7 @@ def fitted_surface(
     period: Optional[FloatArray] = None,
     poles: tuple[bool, bool] = (False, False),
     corrections: int = 0,
+    mesh: Optional[CreasedMesh] = None,
 ) -> Fitted:
     """Return a bicubic spline through points with given parameters, with the fewest spans that meet a tolerance.
 
@@ -97,6 +103,8 @@ def fitted_surface(
     corrections
         How often parameters are corrected for each number of spans. Points with the first or last value of a parameter that does
         not close keep it.
+    mesh
+        The mesh with these points as vertices and edges along which the surface folds, for parameters that need no correction.
 
     References
     ----------
@@ -109,20 +117,21 @@ def fitted_surface(
         uv = np.where(closed, low + np.mod(uv - low, np.where(closed, period, 1.0)), uv)
     extent = np.maximum(high - low, 1e-12)
     best: Optional[Fitted] = None
-    spans = FIRST_SPANS
+    spans, samples = FIRST_SPANS, _Samples(uv, points) if mesh is None else _Samples.of_sides(uv, points, mesh)
     while spans <= MAX_SPANS:
         counts = np.maximum(np.where(closed, LEAST_AROUND, 2), np.round(spans * extent / extent.max())).astype(int)
         if best is not None and int(np.prod(counts + DEGREE)) > len(points):
             break
         knots = [_knots(a, b, n, ring) for a, b, n, ring in zip(low, high, counts, closed.tolist())]
+        cut = None if mesh is None else cut_functions(mesh, knots, closed)
         for k in range(corrections + 1):
-            control, deviation = _fit(uv, points, knots, closed, poles)
-            homogeneous = np.concatenate([control, np.ones((*control.shape[:2], 1))], axis=2)
-            best = Fitted(SplineSurface(homogeneous, (knots[0], knots[1]), (DEGREE, DEGREE)), deviation, uv)
+            control, deviation = _fit(samples, knots, closed, poles, cut)
+            best = Fitted(_surface(control, knots, cut), deviation, uv)
             if deviation <= tolerance:
                 return best
             if k < corrections:
                 uv = best.surface.foot(points, uv, ((uv == low) | (uv == high)) & ~closed)
+                samples = _Samples(uv, points)
         spans *= 2
     assert best is not None
     return best
@@ -136,24 +145,117 @@ def _knots(low: float, high: float, spans: int, closed: bool) -> FloatArray:
     return np.concatenate([inner[-DEGREE - 1 : -1] - period, inner, inner[1 : DEGREE + 1] + period])
 
 
-def _fit(uv: FloatArray, points: FloatArray, knots: list[FloatArray], closed: Mask, poles: tuple[bool, bool]) -> tuple[FloatArray, float]:
-    """Return the control points (a, b, 3), and the largest deviation."""
-    rows = [BSpline.design_matrix(uv[:, k], knots[k], DEGREE) for k in range(2)]
+class _Samples(NamedTuple):
+    """Points that a surface is fitted to."""
+
+    uv: FloatArray  # (k, 2) their parameters
+    points: FloatArray  # (k, 3) [L]
+    mesh: Optional[CreasedMesh] = None
+    faces: Optional[IntArray] = None  # (k,) of the mesh, on the side of a crease that a point counts for
+
+    @classmethod
+    def of_sides(cls, uv: FloatArray, points: FloatArray, mesh: CreasedMesh) -> _Samples:
+        """Return the vertices of a mesh, those on creases once for each side."""
+        vertices, faces = mesh.sides()
+        return cls(uv[vertices], points[vertices], mesh, faces)
+
+
+def _surface(control: FloatArray, knots: list[FloatArray], cut: Optional[CutFunctions]) -> SplineSurface:
+    """Return the surface of control points (c, 3)."""
     counts = [len(own) - DEGREE - 1 for own in knots]
-    matrix = _row_products(rows[0].tocsr(), rows[1].tocsr(), counts)
-    second = [_second_differences(own) for own in knots]
-    eye = [sparse.identity(n, format="csr") for n in counts]
-    bending = sparse.kron(second[0].T @ second[0], eye[1]) + sparse.kron(eye[0], second[1].T @ second[1])
+    homogeneous = np.column_stack([control, np.ones(len(control))])
+    plain = homogeneous[: counts[0] * counts[1]].reshape(*counts, 4)
+    if cut is None:
+        return SplineSurface(plain, (knots[0], knots[1]), (DEGREE, DEGREE))
+    return CreasedSurface(plain, (knots[0], knots[1]), (DEGREE, DEGREE), homogeneous[counts[0] * counts[1] :], cut)
+
+
+def _fit(
+    samples: _Samples, knots: list[FloatArray], closed: Mask, poles: tuple[bool, bool], cut: Optional[CutFunctions]
+) -> tuple[FloatArray, float]:
+    """Return the control points (c, 3), and the largest deviation."""
+    points, uv = samples.points, samples.uv
+    counts = [len(own) - DEGREE - 1 for own in knots]
+    matrix, windows = _values(uv, knots, cut, samples.faces)
+    normal = matrix.T @ matrix / len(uv)
+    net = np.stack(np.meshgrid(*(_abscissae(own) for own in knots), indexing="ij"), axis=-1).reshape(-1, 2)
     spread = _spread(knots, counts, closed, poles)
+    if cut is None:
+        bending = _bending(knots, _windows_of(np.ones([n - DEGREE for n in counts], bool), counts), net)
+    else:
+        assert samples.mesh is not None
+        (first, other), pairs = _beside_creases(samples.mesh, knots, closed)
+        (left, on_left), (right, on_right) = (_values(own, knots, cut, pairs[:, k]) for k, own in enumerate((first, other)))
+        gaps = left - right
+        normal = normal + gaps.T @ gaps / len(pairs)
+        net = np.concatenate([net, net[cut.base]])
+        spread = sparse.block_diag([spread, sparse.identity(len(cut.base))]).tocsr()
+        every = [windows, on_left, on_right, cut.in_cells(knots), _windows_of(~cut.cells[:-DEGREE, :-DEGREE], counts)]
+        bending = _bending(knots, np.unique(np.concatenate(every), axis=0), net)
     # The plan of a design over a plane stays as it is: only what is not affine in the parameters is fitted.
     plain = ~closed & (not any(poles))
     affine = np.linalg.lstsq(_affine(uv, plain), points, rcond=None)[0]
-    net = np.stack(np.meshgrid(*(_abscissae(own) for own in knots), indexing="ij"), axis=-1).reshape(-1, 2)
-    normal = matrix.T @ matrix / len(uv) + STIFFNESS * bending + 1e-14 * sparse.identity(spread.shape[0])
-    right = matrix.T @ (points - _affine(uv, plain) @ affine) / len(uv)
-    found = spread @ factorise((spread.T @ normal @ spread).tocsr(), symmetric=True).solve(spread.T @ right) + _affine(net, plain) @ affine
-    deviation = float(np.linalg.norm(matrix @ found - points, axis=1).max(initial=0.0))
-    return found.reshape(counts[0], counts[1], 3), deviation
+    normal = normal + STIFFNESS * bending + 1e-14 * sparse.identity(spread.shape[0])
+    right_side = matrix.T @ (points - _affine(uv, plain) @ affine) / len(uv)
+    found = spread @ factorise((spread.T @ normal @ spread).tocsr(), symmetric=True).solve(spread.T @ right_side)
+    found = found + _affine(net, plain) @ affine
+    return found, float(np.linalg.norm(matrix @ found - points, axis=1).max(initial=0.0))
+
+
+def _values(
+    uv: FloatArray, knots: list[FloatArray], cut: Optional[CutFunctions], faces: Optional[IntArray]
+) -> tuple[sparse.csr_matrix, IntArray]:
+    """Return the basis functions (k, c) at parameters (k, 2), on given faces, and the control points of each (k, 16)."""
+    rows = [BSpline.design_matrix(uv[:, k], knots[k], DEGREE).tocsr() for k in range(2)]
+    counts = [len(own) - DEGREE - 1 for own in knots]
+    i, j = (own.indices.reshape(len(uv), DEGREE + 1).astype(np.int64) for own in rows)
+    if cut is None or faces is None:
+        points, count = i[:, :, None] * counts[1] + j[:, None, :], counts[0] * counts[1]
+    else:
+        points, count = cut.control_points(i, j, faces), cut.control_count
+    values = rows[0].data.reshape(len(uv), -1, 1) * rows[1].data.reshape(len(uv), 1, -1)
+    windows = points.reshape(len(uv), (DEGREE + 1) ** 2)
+    starts = np.arange(len(uv) + 1) * (DEGREE + 1) ** 2
+    return sparse.csr_matrix((values.ravel(), windows.ravel(), starts), shape=(len(uv), count)), windows
+
+
+def _beside_creases(mesh: CreasedMesh, knots: list[FloatArray], closed: Mask) -> tuple[list[FloatArray], IntArray]:
+    """Return parameters of points along creases, within those of the surface, for both sides (k, 2), and the faces there (k, 2)."""
+    left, right, pairs = mesh.along_creases(span_widths(knots))
+    low, high = np.array([(own[DEGREE], own[-DEGREE - 1]) for own in knots]).T
+    return [np.where(closed, low + np.mod(own - low, high - low), np.clip(own, low, high)) for own in (left, right)], pairs
+
+
+def _windows_of(cells: Mask, counts: list[int]) -> IntArray:
+    """Return the control points (k, 16) of spans, given by their first functions (a, b)."""
+    i, j = (own[:, None] + np.arange(DEGREE + 1) for own in np.nonzero(cells))
+    return (i[:, :, None] * counts[1] + j[:, None, :]).reshape(len(i), (DEGREE + 1) ** 2)
+
+
+def _bending(knots: list[FloatArray], windows: IntArray, net: FloatArray) -> sparse.csr_matrix:
+    """Return the squares of second differences of control points (c, c) in windows (k, 16) along both parameters.
+
+    Parameters
+    ----------
+    knots
+        In both directions.
+    windows
+        The control points of functions that are not zero at one place.
+    net
+        ``(c, 2)`` parameters of the control points.
+    """
+    square = windows.reshape(-1, DEGREE + 1, DEGREE + 1)
+    total = sparse.csr_matrix((len(net), len(net)))
+    for axis in range(2):
+        own = square if axis == 0 else square.swapaxes(1, 2)
+        triples = np.concatenate([own[:, k : k + 3].swapaxes(1, 2).reshape(-1, 3) for k in range(DEGREE - 1)])
+        triples = np.unique(triples, axis=0)
+        second = _second_differences(knots[axis])
+        place = np.searchsorted(_abscissae(knots[axis]), net[triples[:, 0], axis])
+        values = second.data.reshape(-1, 3)[np.minimum(place, second.shape[0] - 1)]
+        rows = sparse.csr_matrix((values.ravel(), triples.ravel(), np.arange(len(triples) + 1) * 3), shape=(len(triples), len(net)))
+        total = total + rows.T @ rows
+    return total
 
 
 def _affine(uv: FloatArray, plain: Mask) -> FloatArray:
@@ -201,11 +303,3 @@ def _second_differences(knots: FloatArray) -> sparse.csr_matrix:
     step = (at[-1] - at[0]) / (len(at) - DEGREE)
     slopes = np.diff(np.eye(len(at)), axis=0) / np.diff(at)[:, None]
     return sparse.csr_matrix(2.0 * step**2 * np.diff(slopes, axis=0) / (at[2:] - at[:-2])[:, None])
-
-
-def _row_products(one: sparse.csr_matrix, other: sparse.csr_matrix, counts: list[int]) -> sparse.csr_matrix:
-    """Return the products of all entries of two matrices, row by row; each row has DEGREE + 1 of them."""
-    k, width = one.shape[0], DEGREE + 1
-    values = (one.data.reshape(k, width)[:, :, None] * other.data.reshape(k, width)[:, None, :]).reshape(k, -1)
-    columns = (one.indices.reshape(k, width)[:, :, None] * counts[1] + other.indices.reshape(k, width)[:, None, :]).reshape(k, -1)
-    return sparse.csr_matrix((values.ravel(), columns.ravel(), np.arange(k + 1) * width**2), shape=(k, counts[0] * counts[1]))

@@ -13,6 +13,7 @@ from typing import Union
 import numpy as np
 
 from ..discrete import face_areas
+from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
@@ -24,7 +25,10 @@ from ..model.problem import Drawing
 from .chart import Fitted
 from .chart import chart_of
 from .chart import fitted_surface
+from .creases import creases_of
+from .cut_functions import CreasedMesh
 from .rims import rims_of_closed
+from .sharp_edges import sharp_edges
 from .spline_surface import SplineSurface
 from .unwrapping import Unwrapped
 from .unwrapping import refuse_parts
@@ -64,6 +68,7 @@ class Design(NamedTuple):
     notes: tuple[str, ...] = ()
     quads: Optional[tuple[FloatArray, IntArray]] = None  # parameters (k, 2) of the corners and corners (q, 4) of a quad mesh
     mesh: Optional[DesignMesh] = None  # to which the surface is fitted
+    creases: tuple[FloatArray, ...] = ()  # (k, 2) parameters along lines at which the surface folds
 
     def refitted(self, tolerance: float) -> Design:
         """Return the same design with its surface fitted to the mesh within another tolerance [L]; itself if it is no mesh."""
@@ -99,7 +104,7 @@ class GivenDesign(NamedTuple):
     def fitted(self, tolerance: Optional[float] = None, finest: float = np.inf) -> Design:
         """Return the design with its surface, fitted to a mesh within a tolerance, or the default one up to a limit [L]."""
         if self.surface is not None:
-            made = Design(self.surface, (), 0.0)
+            made = Design(self.surface, (), 0.0, creases=creases_of(self.surface))
         else:
             if tolerance is None and self.tolerance is not None:
                 tolerance = min(self.tolerance, finest)
@@ -207,7 +212,7 @@ def _of_mesh(design: Any) -> GivenDesign:
 
 
 def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: Optional[float], limit: float = np.inf) -> Design:
-    """Return the smooth surface through a mesh, within a tolerance, by default one up to a limit."""
+    """Return the surface through a mesh, smooth but for its sharp edges, within a tolerance, by default one up to a limit."""
     faces = triangles_of(vertices, polygons)[0]
     if not len(faces):
         raise MeshError("the design has no faces; give a surface")
@@ -217,23 +222,24 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
         raise MeshError("the design has no area: all its vertices lie on a line; give a surface")
     wanted = min(TOLERANCE * size, limit) if tolerance is None else tolerance
     refuse_parts(vertices, faces)
-    chart = chart_of(vertices, faces)
+    chart, sharp = chart_of(vertices, faces), sharp_edges(vertices, faces)
     if chart is not None:
         over = Unwrapped(chart.to_local(vertices[used])[:, :2], used, np.full(2, np.inf), (False, False), tuple(boundary_loops(faces)))
     else:
-        over = unwrapped(vertices, faces)
+        over = unwrapped(vertices, faces, list(sharp[:, :2]))
     points = vertices[over.vertices]
+    mesh = _creased(faces, over, sharp)
     try:
-        fitted = fitted_surface(over.uv, points, wanted, over.period, over.poles)
+        fitted = fitted_surface(over.uv, points, wanted, over.period, over.poles, mesh=mesh)
     except SingularMatrixError:
         raise MeshError("the mesh has too few faces to fit a smooth surface through it; refine it, or give a NURBS surface") from None
-    if chart is None and fitted.deviation > wanted:
+    if chart is None and mesh is None and fitted.deviation > wanted:
         corrected = fitted_surface(over.uv, points, wanted, over.period, over.poles, CORRECTIONS)
         fitted = min(fitted, corrected, key=lambda own: own.deviation)
     if fitted.deviation > LARGEST_DEVIATION * size:
         raise MeshError(
             f"the smooth surface fitted to the mesh deviates from it by {fitted.deviation:.3g}, {100.0 * fitted.deviation / size:.2g} % "
-            "of its size; the mesh is creased, or too coarse where it bends: refine and smooth it, give a NURBS surface, "
+            "of its size; the mesh is too coarse where it bends, or between its sharp edges: refine and smooth it, give a NURBS surface, "
             "or divide the design into smooth parts"
         )
     notes = () if fitted.deviation <= wanted else (_note(fitted, wanted),)
@@ -249,7 +255,22 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
     if all(len(face) == 4 for face in polygons):
         own = np.array(polygons)
         quads = _joined_corners(uv, own, over, [np.argmin(over.uv[:, 1]), np.argmax(over.uv[:, 1])])
-    return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads, mesh=DesignMesh(vertices, polygons, wanted, notes))
+    creases = () if mesh is None else mesh.lines()
+    given = DesignMesh(vertices, polygons, wanted, notes)
+    return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads, mesh=given, creases=creases)
+
+
+def _creased(faces: IntArray, over: Unwrapped, sharp: Edges) -> Optional[CreasedMesh]:
+    """Return the mesh in the plane of its parameters with its sharp edges (c, 4), None if there are none, or if it has poles."""
+    if any(over.poles) or not len(sharp):
+        return None
+    own = np.searchsorted(over.vertices, faces)
+    corners = over.uv[own]
+    closed = np.isfinite(over.period)
+    whole = np.where(closed, over.period, 1.0)
+    corners = corners - np.where(closed, whole * np.round((corners - corners[:, :1]) / whole), 0.0)
+    sharp = np.column_stack([np.searchsorted(over.vertices, sharp[:, :2]), sharp[:, 2:]])
+    return CreasedMesh(own, corners, sharp, over.period)
 
 
 def _joined_corners(uv: FloatArray, quads: IntArray, over: Unwrapped, ends: Sequence[np.integer]) -> tuple[FloatArray, IntArray]:
@@ -274,7 +295,7 @@ def _joined_corners(uv: FloatArray, quads: IntArray, over: Unwrapped, ends: Sequ
 def _note(fitted: Fitted, wanted: float) -> str:
     return (
         f"the smooth surface fitted to the mesh deviates from it by {fitted.deviation:.3g}, more than the tolerance of {wanted:.3g}; "
-        "refine the mesh, or smooth it where it is creased"
+        "refine the mesh where it bends and where creases end, or smooth it"
     )
 
 

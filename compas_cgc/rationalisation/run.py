@@ -24,7 +24,11 @@ from ..meshing.polyline import nearest_on_polyline
 from ..model.counts import counted
 from ..model.given import refuse_other_units
 from ..model.problem import CGCProblem
+from ..model.result import History
+from ..model.result import Solution
+from ..solvers.projection import ProjectionSettings
 from ..solvers.run import solve
+from .assignment import DONE
 from .assignment import Moulds
 from .assignment import Placed
 from .assignment import assign
@@ -286,19 +290,27 @@ def _result(
     """Return an assignment with its surface solved in the exact measure."""
     done = finished(moves, best)
     curvatures, classes = np.unique(done.assigned.K, return_inverse=True)
-    solved = _solved(design, panelling, moves, fixed, curvatures[classes], moves.shape(done.moves))
+    solved = _solved(design, panelling, moves, fixed, curvatures[classes], done.moves)
     found = Rationalised(solved, curvatures, classes, panelling, design, within, stop.stopped)
     if within is not None and not found.kept and not stop.stopped:
         found = Rationalised(solved, curvatures, classes, panelling, design, within, False, _suggestion(found, within, tried))
     return found
 
 
-def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, K: FloatArray, vertices: FloatArray) -> SolveResult:
+def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, K: FloatArray, own: FloatArray) -> SolveResult:
+    """Return the surface of moves (c,) as the result of a solve; it is solved further only where it has not reached its K (p,)."""
+    vertices, error = moves.shape(own), moves.error(own, K)
     targets = np.full(len(vertices), np.nan)
     targets[moves.rows] = K[moves.panel_of_row]
     problem = CGCProblem(vertices, panelling.faces, targets=targets, creases=panelling.seams, drawing=design.drawing)
     problem = problem.with_supports(np.flatnonzero(fixed).tolist())
-    return solve(problem, method="projection", settings={"keep": "shape", "measure": "exact"})
+    settings = ProjectionSettings(keep="shape", measure="exact")
+    if error > DONE:
+        return solve(problem, method="projection", settings=settings)
+    largest = error / moves.size**2
+    ending = f"converged: the largest error of K is {largest:.3g}"
+    solution = Solution(vertices, "converged", ending, 0, 0.0, largest, History.from_rows([]), "projection", "exact")
+    return SolveResult.from_solution(problem, solution, settings)
 
 
 def _suggestion(found: Rationalised, within: float, tried: int) -> str:

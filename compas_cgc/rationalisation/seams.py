@@ -12,10 +12,12 @@ from scipy.spatial import cKDTree
 from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from ..errors import MeshError
-from ..meshing.kinks import sharp_parameters
 from ..meshing.polyline import resample_all
 from ..model.lengths import place_text
 from ..model.lengths import unit_suffix
+from .creases import along_parameters
+from .creases import continued
+from .creases import held_on_creases
 from .curve_panels import Lengths
 from .curve_panels import curve_panels
 from .curve_panels import parameter_rim
@@ -71,6 +73,11 @@ def panels_of(
     MeshError
         If the seams divide the design into no panels that can be meshed.
     """
+    made = _panels(design, panel, edges, seams, levels)
+    return held_on_creases(design.surface, made, design.creases)
+
+
+def _panels(design: Design, panel: Optional[float], edges: Optional[int], seams: SeamsInput, levels: int) -> Panelling:
     width = _default_width(design) if panel is None else float(panel)
     if isinstance(seams, str) and seams not in NAMED:
         raise CGCError(f"seams must be {', '.join(map(repr, NAMED))} or curves, not {seams!r}")
@@ -93,7 +100,16 @@ def panels_of(
         lines = level_seams(surface, levels, design.rims)
     else:
         lines = [_on_surface(design, plane, line, edge) for line in drawn]
-    pieces = [piece for line in lines for piece in _pieces(surface, line)]
+    return _between(design, plane, [piece for line in lines for piece in _pieces(surface, line)], edge)
+
+
+def _between(design: Design, plane: Lengths, pieces: list[FloatArray], edge: float) -> Panelling:
+    """Return the panels between lines (k, 2) within the domain and the creases of a design."""
+    surface, rims = design.surface, list(design.rims) or [parameter_rim(design.surface)]
+    folds = [piece for line in design.creases for piece in _pieces(surface, line)]
+    if folds:
+        closed = [np.concatenate([rim, rim[:1]]) for rim in rims]
+        pieces = [*pieces, *continued(plane, folds, [*pieces, *closed], edge)]
     return curve_panels(surface, rims, [_over_rim(plane, rims, piece, edge) for piece in pieces], edge)
 
 
@@ -114,16 +130,17 @@ def _edges(panels: int) -> int:
 
 
 def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
-    """Return panels between lines of constant parameter, cut at the rim where the design is trimmed."""
+    """Return panels between lines of constant parameter, cut at the rim where the design is trimmed, and along its creases."""
     surface = design.surface
-    sharp = sharp_parameters(surface.at, surface.domain, [knots.tolist() for knots in surface.knots])
-    first, second = (grid_lines(surface, axis, width, [value for own, value in sharp if own == axis], design.rims) for axis in range(2))
+    whole, others = along_parameters(surface, design.creases)
+    first, second = (grid_lines(surface, axis, width, [value for own, value in whole if own == axis], design.rims) for axis in range(2))
     count = (len(first) - 1) * (len(second) - 1)
     number = _edges(count) if edges is None else edges
-    if not design.trimmed:
+    if not design.trimmed and not others:
         return grid_panels(surface, (first, second), number)
-    rims = list(design.rims)
+    rims = list(design.rims) or [parameter_rim(surface)]
     refuse_distorted(surface, rims)
+    plane = Lengths.of(surface, rims)
     for k, offset in enumerate(OFFSETS):
         lines = []
         for axis, values in enumerate((first, second)):
@@ -133,7 +150,7 @@ def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
                 line[:, axis], line[:, 1 - axis] = value, across
                 lines.append(line)
         try:
-            return curve_panels(surface, rims, lines, width / number)
+            return _between(design, plane, lines, width / number)
         except MeshError as error:
             if GRAZING not in str(error) or k + 1 == len(OFFSETS):
                 raise

@@ -159,7 +159,7 @@ class SplineSurface:
         found: dict[tuple[int, int], FloatArray] = {}
         weights: dict[tuple[int, int], FloatArray] = {}
         (first, i), (second, j) = (self._windows(uv[:, axis], axis, max(order[axis] for order in orders)) for axis in range(2))
-        net = self.control[i[:, :, None], j[:, None, :]]
+        net = self._net(uv, i, j)
         rows = [np.einsum("kp,kpqx->kqx", own, net) for own in first]
         for order in orders:
             total = np.einsum("kq,kqx->kx", second[order[1]], rows[order[0]])
@@ -171,6 +171,10 @@ class SplineSurface:
                     numerator = numerator - times * weights[rest] * found[other]
             found[order] = numerator / weights[0, 0]
         return [found[order] for order in orders]
+
+    def _net(self, uv: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
+        """Return the control points (k, p + 1, q + 1, 4) of basis functions (k, p + 1) and (k, q + 1) at parameters (k, 2)."""
+        return self.control[i[:, :, None], j[:, None, :]]
 
     def _windows(self, values: FloatArray, axis: int, highest: int) -> tuple[list[FloatArray], IntArray]:
         """Return the values (k, p + 1) of the basis functions that are not zero, for every order of derivative, and their numbers."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -52,12 +53,21 @@ def refuse_parts(vertices: FloatArray, faces: IntArray) -> None:
         raise MeshError(f"the design has {parts} parts that are not joined; join them, or rationalise one part at a time")
 
 
-def unwrapped(vertices: FloatArray, faces: IntArray) -> Unwrapped:
+def unwrapped(vertices: FloatArray, faces: IntArray, creases: Sequence[IntArray] = ()) -> Unwrapped:
     """Return parameters of a mesh by its topology.
 
     A disc, with holes or without, is mapped conformally; a tube is a rectangle that closes in one direction, its ends
     are the two longest rims; a closed surface without handles is a tube between its lowest and highest vertex, and one that is
     nearly closed a tube between its rim and the vertex opposite; a ring with one handle closes in both directions.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices.
+    creases
+        Vertices of sharp edges (2,), beside which the parameter around a tube does not close.
 
     Raises
     ------
@@ -76,7 +86,7 @@ def unwrapped(vertices: FloatArray, faces: IntArray) -> Unwrapped:
     if handles == 0 and len(loops) == 0:
         return _sphere(vertices, faces)
     if handles == 0 and _is_tube(vertices, loops):
-        return _tube(vertices, faces, loops)
+        return _tube(vertices, faces, loops, creases)
     if handles == 0:
         flat = _disc(vertices, faces, loops)
         return flat if _scale(vertices, faces, flat) <= LARGEST_SCALE else _cap(vertices, faces, loops)
@@ -123,7 +133,7 @@ def _disc(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> Unwra
     return Unwrapped(uv[used], used, np.full(2, np.inf), (False, False), tuple(loops))
 
 
-def _tube(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> Unwrapped:
+def _tube(vertices: FloatArray, faces: IntArray, loops: list[IntArray], creases: Sequence[IntArray]) -> Unwrapped:
     """Return an angle around a surface and a length along it, both harmonic; the length follows the surface on the average."""
     first, last, *holes = sorted(loops, key=lambda own: -_length(vertices, own))
     if vertices[first, 2].mean() > vertices[last, 2].mean():
@@ -131,7 +141,7 @@ def _tube(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> Unwra
     uv, used = _around_and_along(vertices, faces, first, last)
     turn = _turn(vertices, faces, uv, used)
     uv = _turned_as(faces, uv, used, np.array([1.0, np.inf]))
-    uv[:, 0] = _started_beside(uv[:, 0], used, holes)
+    uv[:, 0] = _started_beside(uv[:, 0], used, [*holes, *creases])
     return Unwrapped(uv * [turn, 1.0], used, np.array([turn, np.inf]), (False, False), tuple(holes))
 
 
@@ -239,7 +249,7 @@ def _turn(vertices: FloatArray, faces: IntArray, uv: FloatArray, used: IntArray)
 
 
 def _started_beside(u: FloatArray, used: IntArray, holes: list[IntArray]) -> FloatArray:
-    """Return angles (k,) in turns from 0 up to 1 that begin where the largest gap between holes is, in its middle."""
+    """Return angles (k,) in turns from 0 up to 1 that begin where the largest gap between holes and creases is, in its middle."""
     if not holes:
         return u - u.min()
     # The angles at which holes begin and end; a gap follows where no hole covers the turn up to the next beginning.
