@@ -197,6 +197,20 @@ def test_merging_sides_at_the_rim_leaves_no_line_that_ends_inside():
     assert len(merged(Polygons(points.astype(float), faces, rim, kinks), 0.3).faces) == 4
 
 
+def test_a_crossing_close_to_the_rim_comes_to_lie_on_it():
+    """Two lines cross at (1, 0.05) and end at the rim y = 0; the triangle between them would have sides of 71 and 100 mm."""
+    points = np.array([[0, 0, 0], [0.95, 0, 0], [1.05, 0, 0], [2, 0, 0], [1, 0.05, 0], [0, 1, 0], [0.4, 1, 0], [1.6, 1, 0], [2, 1, 0]])
+    faces = [[1, 2, 4], [0, 1, 4, 6, 5], [2, 3, 8, 7, 4], [4, 7, 6]]
+    rim = np.ones(9, bool)
+    rim[4] = False
+    own = merged(Polygons(points.astype(float), faces, rim, np.zeros(9, bool)), 0.3)
+    assert own.rim.all() and own.vertices[1].tolist() == [0.95, 0.0, 0.0]
+    assert [own.vertices[face, 0].tolist() for face in own.faces] == [[0.0, 0.95, 0.4, 0.0], [2.0, 2.0, 1.6, 0.95], [0.95, 1.6, 0.4]]
+    # A kink of the rim stays where the triangle vanishes.
+    kinks = np.arange(9) == 2
+    assert [1.05, 0.0, 0.0] in merged(Polygons(points.astype(float), faces, rim, kinks), 0.3).vertices.tolist()
+
+
 def test_the_slopes_of_the_distance_between_diagonals_are_exact():
     rng = np.random.default_rng(0)
     points, moves = rng.normal(size=(2, 6, 3))

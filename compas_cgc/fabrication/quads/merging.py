@@ -15,7 +15,8 @@ __all__ = ["merged"]
 def merged(own: Polygons, shortest: float) -> Polygons:
     """Return polygons without sides at the rim below a length [L]; lines then meet the rim in a common vertex.
 
-    Kinks of the rim and irregular vertices stay. A side stays as well if its removal would let a polygon touch itself.
+    A crossing of lines close to the rim comes to lie on it. Kinks of the rim and irregular vertices stay. A side stays as well if its
+    removal would let a polygon touch itself.
     """
     points, faces = own.vertices.copy(), [list(face) for face in own.faces]
     while True:
@@ -47,10 +48,14 @@ def _shortest(own: Polygons, points: Vectors, faces: list[list[int]], shortest: 
         across = own.rim[a] and own.rim[b] and uses[min(a, b), max(a, b)] == 2
         if own.kinks[b] or across or (not own.rim[b] and degree[b] != 4):
             continue
-        # An inner corner of a vanishing triangle would lose a side, and a line would end there.
-        if any(len(face) == 3 and {a, b} < set(face) and not own.rim[face].all() for face in faces):
-            continue
         changed = [_replaced(face, a, b) for face in faces]
+        if not own.rim[b]:
+            # A line that met the rim at the third corner of a vanishing triangle meets it at the crossing, which now lies there.
+            passed = [vertex for vertex in _vanishing(faces, changed) - {a, b} if degree[vertex] == 3 and not own.kinks[vertex]]
+            changed = [[vertex for vertex in face if vertex not in passed] for face in changed]
+        # Another inner corner of a vanishing face would lose a side, and a line would end there.
+        if not own.rim[list(_vanishing(faces, changed) - {a, b})].all():
+            continue
         if any(len(set(face)) < len(face) for face in changed):
             continue
         if own.rim[b] and not own.kinks[a]:
@@ -63,3 +68,8 @@ def _replaced(face: list[int], kept: int, removed: int) -> list[int]:
     """Return a polygon with one vertex in place of another, without consecutive repetitions."""
     own = [kept if vertex == removed else vertex for vertex in face]
     return [vertex for vertex, before in zip(own, own[-1:] + own[:-1]) if vertex != before]
+
+
+def _vanishing(faces: list[list[int]], changed: list[list[int]]) -> set[int]:
+    """Return the corners of polygons that are left with fewer than three corners."""
+    return {vertex for face, left in zip(faces, changed) if len(left) < 3 for vertex in face}
