@@ -75,13 +75,15 @@ class NormalMoves:
         ``(n,)`` vertices that do not move.
     weights
         What moves cost.
+    groups
+        ``(p,)`` group of every panel with the same K. Groups then count as panels: K and moulds are those of groups.
 
     References
     ----------
     Nocedal and Wright, *Numerical Optimization*, chapter 17 (augmented Lagrangian), doi:10.1007/978-0-387-40065-5.
     """
 
-    def __init__(self, panelling: Panelling, fixed: Mask, weights: Optional[Weights] = None):
+    def __init__(self, panelling: Panelling, fixed: Mask, weights: Optional[Weights] = None, groups: Optional[IntArray] = None):
         weights = weights or Weights()
         V, F = panelling.vertices, panelling.faces
         n = len(V)
@@ -90,8 +92,9 @@ class NormalMoves:
         self.columns = np.flatnonzero(~fixed)
         inside = vertex_panels(F, panelling.panels, n)
         self.rows = np.flatnonzero((inside >= 0) & ~fixed)
-        self.panel_of_row = inside[self.rows]
-        self.panels = panelling.panel_count
+        self.groups = np.arange(panelling.panel_count) if groups is None else groups
+        self.panel_of_row = self.groups[inside[self.rows]]
+        self.panels = int(self.groups.max(initial=-1)) + 1
         self._equations = exact_equations(CurvatureEquations(F, np.zeros(n), self.rows, self.columns), "exact")
         areas = vertex_areas(V, F)
         self.size = float(np.sqrt(areas.sum()))
@@ -101,7 +104,7 @@ class NormalMoves:
         bending = bending_matrix(V, F, seams, weights.crease_stiffness)[self.columns][:, self.columns]
         self._bending = ((weights.smoothness * self.size / np.sqrt(n)) ** 4 / areas.sum() * bending).tocsr()
         seam_edges, jumps = slope_jumps(V, F, np.flatnonzero(_on_seams(F, panelling.panels)))
-        width = FOLD_LENGTH * self.size / np.sqrt(self.panels)
+        width = FOLD_LENGTH * self.size / np.sqrt(panelling.panel_count)
         self._criteria = sparse.vstack([sparse.identity(len(self.columns)), width * jumps[:, self.columns]]).tocsr()
         own = np.linalg.norm(V[seam_edges[:, 1]] - V[seam_edges[:, 0]], axis=1)
         shares = [self.mass / self.mass.sum(), own / max(own.sum(), 1e-300)]

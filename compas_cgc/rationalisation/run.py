@@ -14,7 +14,6 @@ from scipy.spatial import cKDTree
 
 from ..datastructures import SolveResult
 from ..discrete import boundary_vertices
-from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import MeshError
@@ -44,6 +43,7 @@ from .result import Rationalised
 from .seams import LEVELS
 from .seams import SeamsInput
 from .seams import panels_of
+from .symmetry import symmetric_panels
 
 __all__ = ["Progress", "rationalise"]
 
@@ -165,7 +165,8 @@ def rationalise(
             failed.append(error)
             continue
         fixed = _fixed(read, panelling, supports)
-        moves = NormalMoves(panelling, fixed)
+        # Locked panels may be on other moulds than their images.
+        moves = NormalMoves(panelling, fixed, groups=None if locked else symmetric_panels(panelling, fixed))
         best = _assigned(moves, moulds, flat, left, locked, stop)
         tried = MAX_MOULDS if moulds is None else len(best.assigned.values)
         found.append(_result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels)))
@@ -289,17 +290,18 @@ def _result(
 ) -> Rationalised:
     """Return an assignment with its surface solved in the exact measure."""
     done = finished(moves, best)
-    curvatures, classes = np.unique(done.assigned.K, return_inverse=True)
-    solved = _solved(design, panelling, moves, fixed, curvatures[classes], done.moves)
+    curvatures, classes = np.unique(done.assigned.K[moves.groups], return_inverse=True)
+    solved = _solved(design, panelling, moves, fixed, done)
     found = Rationalised(solved, curvatures, classes, panelling, design, within, stop.stopped)
     if within is not None and not found.kept and not stop.stopped:
         found = Rationalised(solved, curvatures, classes, panelling, design, within, False, _suggestion(found, within, tried))
     return found
 
 
-def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, K: FloatArray, own: FloatArray) -> SolveResult:
-    """Return the surface of moves (c,) as the result of a solve; it is solved further only where it has not reached its K (p,)."""
-    vertices, error = moves.shape(own), moves.error(own, K)
+def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, done: Placed) -> SolveResult:
+    """Return an assignment with its surface as the result of a solve; it is solved further only where it has not reached its K."""
+    K = done.assigned.K
+    vertices, error = moves.shape(done.moves), moves.error(done.moves, K)
     targets = np.full(len(vertices), np.nan)
     targets[moves.rows] = K[moves.panel_of_row]
     problem = CGCProblem(vertices, panelling.faces, targets=targets, creases=panelling.seams, drawing=design.drawing)

@@ -22,6 +22,7 @@ from compas_cgc.rationalisation.normal_moves import FOLD_LENGTH
 from compas_cgc.rationalisation.normal_moves import NormalMoves
 from compas_cgc.rationalisation.panelling import vertex_panels
 from compas_cgc.rationalisation.seams import panels_of
+from compas_cgc.rationalisation.symmetry import symmetric_panels
 
 from ..support.freeform import bumpy
 from ..support.freeform import mesh_over
@@ -331,3 +332,26 @@ def test_panels_between_level_lines_are_not_locked():
 def test_a_design_without_faces_is_refused_in_a_sentence(faces):
     with pytest.raises(MeshError, match="the design has no faces; give a surface"):
         read_design(([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], faces))
+
+
+def test_panels_of_a_symmetric_design_have_symmetric_moulds():
+    def heights(x, y):
+        hollows = sum(np.exp(-((x - a) ** 2 + (y - 4.0) ** 2) / 3.0) for a in (2.0, 10.0))
+        return 1.5 - 0.02 * (x - 6.0) ** 2 - 0.03 * (y - 4.0) ** 2 - 0.2 * hollows
+
+    found = compas_cgc.rationalise(mesh_over(heights, 12.0, 8.0, 0.5), panel=2.0, edges=4, moulds=3)
+    classes = found.classes.reshape(6, 4)
+    assert len(found.curvatures) == 3
+    assert np.array_equal(classes, classes[::-1]) and np.array_equal(classes, classes[:, ::-1])
+
+
+def test_groups_of_panels_follow_the_mirrors_of_the_design_and_its_supports():
+    def groups(heights, held=(0.0, 0.0)):
+        panelling = panels_of(read_design(mesh_over(heights, 12.0, 8.0, 0.5)), 2.0, 4)
+        fixed = np.linalg.norm(panelling.vertices[:, :2] - held, axis=1) < 1e-6
+        return len(np.unique(symmetric_panels(panelling, fixed)))
+
+    assert groups(lambda x, y: 1.0 - 0.02 * (x - 6.0) ** 2 - 0.03 * (y - 4.0) ** 2, (6.0, 4.0)) == 6
+    assert groups(lambda x, y: 1.0 - 0.02 * (x - 6.0) ** 2 - 0.03 * (y - 4.0) ** 2) == 24
+    assert groups(lambda x, y: 1.0 - 0.02 * (x - 6.0) ** 2 + 0.01 * y, (6.0, 0.0)) == 12
+    assert groups(lambda x, y: 1.0 - 0.02 * (x - 5.0) ** 2 + 0.01 * y, (6.0, 0.0)) == 24

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from compas_cgc.discrete import edge_faces
+from compas_cgc.discrete import face_areas
 from compas_cgc.errors import MeshError
 from compas_cgc.meshing import boundary_loops
 from compas_cgc.rationalisation import read_design
@@ -73,6 +74,18 @@ def test_level_lines_divide_nearly_flat_saddles_too():
     design = read_design(mesh_over(bumpy("soft", 1), edge=1.0))
     K = np.array([np.median(design.surface.gaussian(line)) for line in level_seams(design.surface, 6)])
     assert (K < 0.0).sum() >= 2 and K.max() > 10.0 * np.abs(K.min())
+
+
+@pytest.mark.nightly
+def test_no_region_between_level_lines_has_hills_and_bowls():
+    design = read_design(mesh_over(bumpy("soft", 705), edge=1.0))
+    panelling = panels_of(design, None, None, "levels", 5)
+    middle = panelling.parameters[panelling.faces].mean(axis=1)
+    curvatures = design.surface.principal(middle)[0]
+    area = face_areas(panelling.vertices, panelling.faces)
+    raised = curvatures.prod(axis=1) > 1e-5
+    parts = [np.bincount(panelling.panels, area * (raised & (sign * curvatures.sum(axis=1) > 0.0))) for sign in (1.0, -1.0)]
+    assert np.minimum(*parts).max() < 0.002 * area.sum()
 
 
 def test_the_faces_of_a_quad_mesh_are_the_panels():
