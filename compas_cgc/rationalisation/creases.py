@@ -13,11 +13,11 @@ from .curve_panels import Lengths
 from .panelling import Panelling
 from .spline_surface import SplineSurface
 
-__all__ = ["along_parameters", "continued", "creases_of", "held_on_creases"]
+__all__ = ["along_parameters", "beside_parameters", "continued", "creases_of", "held_on_creases"]
 
 STRAIGHT = 1e-6  # of the range of a parameter, within which a crease keeps its value
 ON = 1e-4  # of the range of a parameter, within which a vertex is on a crease
-TOUCHING = 0.1  # of an edge, within which the end of a crease is on another line
+TOUCHING = 0.1  # of an edge or a panel, within which the end of a crease is on another line
 
 
 def creases_of(surface: SplineSurface) -> tuple[FloatArray, ...]:
@@ -45,6 +45,33 @@ def along_parameters(surface: SplineSurface, creases: Sequence[FloatArray]) -> t
         else:
             others.append(line)
     return whole, others
+
+
+def beside_parameters(surface: SplineSurface, plane: Lengths, creases: Sequence[FloatArray], width: float) -> list[tuple[int, float]]:
+    """Return the axes and mean values of parameters that creases (k, 2) through the whole surface nearly keep.
+
+    Lines of a grid there would leave slivers: the crease is one of its lines.
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    plane
+        Its mean lengths.
+    creases
+        ``(k, 2)`` parameters along creases.
+    width
+        Width of a panel, within half of which a crease has to stay [L].
+    """
+    found = []
+    for line in creases:
+        reach, wanders = TOUCHING * width, np.ptp(plane.to_plane(line), axis=0)
+        for axis in range(2):
+            ends = plane.to_plane(np.array([line.min(axis=0), line.max(axis=0)]))[:, 1 - axis]
+            sides = plane.to_plane(surface.domain.T)[:, 1 - axis]
+            if wanders[axis] <= 0.5 * width and (np.abs(ends - sides) <= reach).all():
+                found.append((axis, float(line[:, axis].mean())))
+    return found
 
 
 def continued(plane: Lengths, creases: Sequence[FloatArray], others: Sequence[FloatArray], edge: float) -> list[FloatArray]:

@@ -16,6 +16,7 @@ from ..meshing.polyline import resample_all
 from ..model.lengths import place_text
 from ..model.lengths import unit_suffix
 from .creases import along_parameters
+from .creases import beside_parameters
 from .creases import continued
 from .creases import held_on_creases
 from .curve_panels import Lengths
@@ -133,19 +134,22 @@ def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
     """Return panels between lines of constant parameter, cut at the rim where the design is trimmed, and along its creases."""
     surface = design.surface
     whole, others = along_parameters(surface, design.creases)
-    first, second = (grid_lines(surface, axis, width, [value for own, value in whole if own == axis], design.rims) for axis in range(2))
+    rims = list(design.rims) or [parameter_rim(surface)]
+    plane = Lengths.of(surface, rims)
+    near = beside_parameters(surface, plane, others, width)
+    stops = [[value for own, value in whole + near if own == axis] for axis in range(2)]
+    first, second = (grid_lines(surface, axis, width, stops[axis], design.rims) for axis in range(2))
     count = (len(first) - 1) * (len(second) - 1)
     number = _edges(count) if edges is None else edges
     if not design.trimmed and not others:
         return grid_panels(surface, (first, second), number)
-    rims = list(design.rims) or [parameter_rim(surface)]
     refuse_distorted(surface, rims)
-    plane = Lengths.of(surface, rims)
     for k, offset in enumerate(OFFSETS):
         lines = []
         for axis, values in enumerate((first, second)):
             across = surface.domain[1 - axis]
-            for value in values[1:-1] + offset * np.diff(values).mean():
+            kept = values[1:-1][~np.isin(values[1:-1], [value for own, value in near if own == axis])]
+            for value in kept + offset * np.diff(values).mean():
                 line = np.empty((2, 2))
                 line[:, axis], line[:, 1 - axis] = value, across
                 lines.append(line)
