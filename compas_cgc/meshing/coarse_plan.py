@@ -32,6 +32,7 @@ MIN_SEGMENTS = 3  # of a closed line
 CLEARANCE = 0.6  # distance of inner vertices from lines in edge lengths; above 1/2 the lines are Delaunay edges
 SAMPLE_SPACING = 0.25  # spacing of the sample points for this distance, in edge lengths
 SLIVER_AREA = 1e-3  # area relative to the mean below which a triangle is a sliver
+CANCELLED = 1e-6  # sum of directions against the lengths of their edges, which is rounding
 AREA_TOLERANCE = 0.02  # relative difference of plan areas above which the mesh overlaps itself
 
 
@@ -45,7 +46,7 @@ class CoarsePlan(NamedTuple):
     lines: Edges  # (d, 2) the lines in vertices of the coarse mesh
 
 
-def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: float) -> Optional[CoarsePlan]:
+def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: float, anew: bool = False) -> Optional[CoarsePlan]:
     """Return a mesh of the same plan with nearly uniform edge lengths.
 
     On the boundary and other lines some of the vertices are kept, always those in `kept` and those where a line turns or
@@ -63,6 +64,8 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
         ``(n,)`` mask of vertices to keep.
     step
         Edge length [L].
+    anew
+        Lay the lattice out along the boundary, not along the edges of the fine mesh.
 
     Returns
     -------
@@ -75,7 +78,8 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     around, along = (_segments(plan, own, kept | ends, step) for own in (rim, lines))
     paths = [*around, *along]
     chosen = np.unique(np.concatenate([*paths, np.flatnonzero(kept)]))
-    inner = _inner_points(plan, faces, np.vstack([rim, lines]), chosen, step)
+    lattice = _lattice(plan[np.unique(faces)], _direction(plan, rim if anew else edges[:, :2]), step)
+    inner = _inner_points(plan, lattice, np.vstack([rim, lines]), chosen, step)
     within, weights = located(inner, plan, faces, step)
     inner, weights, within = inner[within >= 0], weights[within >= 0], within[within >= 0]
     points = np.vstack([plan[chosen], inner])
@@ -146,9 +150,8 @@ def _thinned(points: FloatArray, path: Indices, step: float) -> Indices:
     return path[np.unique(np.concatenate([[0], nearest, [len(path) - 1]]))]
 
 
-def _inner_points(plan: FloatArray, faces: Faces, edges: Edges, chosen: Indices, step: float) -> FloatArray:
+def _inner_points(plan: FloatArray, lattice: FloatArray, edges: Edges, chosen: Indices, step: float) -> FloatArray:
     """Return the points (p, 2) of a triangular lattice at a distance from lines and kept vertices."""
-    lattice = _lattice(plan[np.unique(faces)], _direction(plan, faces), step)
     obstacles = np.vstack([_sampled(plan, edges, SAMPLE_SPACING * step), plan[chosen]])
     return lattice[cKDTree(obstacles).query(lattice)[0] > CLEARANCE * step]
 
@@ -173,10 +176,12 @@ def _lattice(plan: FloatArray, direction: float, step: float) -> FloatArray:
     return (low + extent * np.column_stack([row.ravel(), column.ravel()])) @ axes
 
 
-def _direction(plan: FloatArray, faces: Faces) -> float:
-    """Return the prevailing direction of edges modulo 60 degrees [rad]."""
-    edges = (np.roll(plan[faces], -1, axis=1) - plan[faces]).reshape(-1, 2)
-    return float(np.angle(np.exp(6j * np.arctan2(edges[:, 1], edges[:, 0])).sum())) / 6.0
+def _direction(plan: FloatArray, edges: Edges) -> float:
+    """Return the prevailing direction of edges modulo 60 degrees [rad]; modulo 30 degrees where those at right angles cancel."""
+    along = (plan[edges[:, 1]] - plan[edges[:, 0]]) @ np.array([1.0, 1.0j])
+    length, turn = np.abs(along), along / np.maximum(np.abs(along), np.finfo(float).tiny)
+    sixfold, twelvefold = (complex(length @ turn**k) for k in (6, 12))
+    return float(np.angle(sixfold)) / 6.0 if abs(sixfold) > CANCELLED * length.sum() else float(np.angle(twelvefold)) / 12.0
 
 
 def _sampled(plan: FloatArray, edges: Edges, spacing: float) -> FloatArray:

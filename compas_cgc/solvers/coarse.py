@@ -134,7 +134,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = 0.5 * float((side[:, 0] * other[:, 1] - side[:, 1] * other[:, 0]).sum())
     step = math.sqrt(area / count * 2.0 / math.sqrt(3.0))
-    found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step)
+    found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step, anew=not stretched)
     if found is None or len(found.kept) + len(found.within) > largest * len(V):
         return None
     paths = [own.vertices for own in problem.goals if isinstance(own, Length)]
