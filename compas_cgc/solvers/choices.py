@@ -33,7 +33,7 @@ class Choice(NamedTuple):
     method: str
     reason: str
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    then: Optional[Choice] = None  # how the regions are solved between the creases that were found
+    then: tuple[Choice, ...] = ()  # how the regions are solved between the creases that were found, the best first
 
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
@@ -48,7 +48,9 @@ FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
 SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 1.5 beside straight fixed edges, others of order 1
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
-FOLDED_RIM = Choice("bending", "the whole rim is fixed, and K̄ > 0 determines regions between creases that bend and fold least", then=RIM)
+BETWEEN = (RIM, PLAIN_RIM)
+DETERMINED = "the whole rim is fixed, and K̄ > 0 determines regions between creases that bend and fold least"
+FOLDED_RIM = Choice("bending", DETERMINED, then=BETWEEN)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K", SMOOTH)
 PLAIN_UNKNOWN = Choice("newton", "one goal determines one unknown K, and the smooth measure does not converge")
 
@@ -82,12 +84,12 @@ def _choices(problem: CGCProblem) -> list[Choice]:
             return [ONE_UNKNOWN, PLAIN_UNKNOWN, GOALS]
         folded = is_held_all_round(problem, folded=True)
         if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
-            return [SOUGHT._replace(then=RIM) if folded else SOUGHT, GOALS]
+            return [SOUGHT._replace(then=BETWEEN) if folded else SOUGHT, GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.
         loose = has_free_edges(problem) or len(problem.creases)
         if not loose or not takes_goals(problem) or keeps_shape(problem):
             return [GOALS]
-        return [MEETS._replace(then=RIM) if folded else MEETS, GOALS]
+        return [MEETS._replace(then=BETWEEN) if folded else MEETS, GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]

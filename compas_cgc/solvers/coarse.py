@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Optional
 
 import numpy as np
@@ -17,6 +18,7 @@ from ..discrete.arrays import Mask
 from ..meshing.carry_over import CarryOver
 from ..meshing.coarse_plan import CoarsePlan
 from ..meshing.coarse_plan import coarse_plan
+from ..model.constraints import Constraint
 from ..model.constraints import Fixed
 from ..model.constraints import PositionConstraint
 from ..model.constraints import Proximity
@@ -24,7 +26,6 @@ from ..model.goals.inequalities import Bound
 from ..model.goals.wholes import Length
 from ..model.goals.wholes import Unknown
 from ..model.goals.wholes import Whole
-from ..model.laws import Law
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import DUMMY
@@ -72,6 +73,16 @@ class Coarse:
             (here, there, CarryOver(plans[0][here], plans[1][there]))
             for here, there in ((np.flatnonzero(regions[0][:, r]), np.flatnonzero(regions[1][:, r])) for r in range(regions[0].shape[1]))
         ]
+
+    def carried_targets(self, targets: FloatArray) -> FloatArray:
+        """Return the targets (n,) of the finer mesh for those (k,) found on the coarser one, region by region [1/L^2]."""
+        result = self._fine.targets.copy()
+        for here, there, _ in self._parts:
+            first = here[np.argmax(self.problem.asked[here])]
+            drawn, found = self.problem.targets[first], targets[first]
+            own = result[there] * (found / drawn) if drawn else np.nan
+            result[there] = np.where(np.isfinite(own), own, found)
+        return result
 
     def carried(self, vertices: FloatArray, anew: bool = False) -> FloatArray:
         """Return the vertices (n, 3) of the finer mesh for those (k, 3) of the coarser one; what is fixed stays.
@@ -166,25 +177,32 @@ def _posed(problem: CGCProblem, found: CoarsePlan, here: Mask) -> CGCProblem:
     index = np.full(len(problem.vertices), -1)
     index[found.kept] = np.arange(len(found.kept))
     lines = found.lines
-    coarse = CGCProblem(
+    drawn = CGCProblem(
         np.vstack([problem.vertices[found.kept], np.einsum("pk,pkx->px", found.weights, problem.vertices[corners])]),
         found.faces,
         np.concatenate([problem.roles[found.kept], np.where(inside, INTERNAL, FREE)]),
         np.concatenate([problem.targets[found.kept], between]),
         creases=lines[_creased(problem)[found.kept][lines].all(axis=1)],
-        goals=tuple(own.renumbered(index) for own in problem.goals),
     )
-    return coarse.with_laws(_laws(problem, coarse, here)) if problem.laws else coarse
+    regions = _regions(drawn, here)
+    goals = [_of_regions(own.renumbered(index), regions) for own in problem.goals]
+    coarse = drawn.with_goals(goals, add=False) if goals else drawn
+    laws = {region: law for number, law in problem.laws.items() for region in regions[number]}
+    return coarse.with_laws(laws) if laws else coarse
 
 
-def _laws(problem: CGCProblem, coarse: CGCProblem, here: Mask) -> dict[int, Law]:
-    """Return the laws by the regions of a coarser mesh, whose faces lie in the regions that have all their vertices."""
+def _regions(coarse: CGCProblem, here: Mask) -> list[list[int]]:
+    """Return the regions of a coarser mesh for each of the finer one; their faces lie in the regions that have all their vertices."""
     regions, inside = coarse.regions(), np.asarray(here[coarse.faces].all(axis=1))
-    laws = {}
-    for region, law in problem.laws.items():
-        alone = inside[:, region] & (inside.sum(axis=1) == 1)
-        laws.update(dict.fromkeys(np.unique(regions[alone]).tolist(), law))
-    return laws
+    alone = inside & (inside.sum(axis=1) == 1)[:, None]
+    return [np.unique(regions[own]).tolist() for own in alone.T]
+
+
+def _of_regions(goal: Constraint, regions: list[list[int]]) -> Constraint:
+    """Return a goal that names regions by their numbers on a coarser mesh."""
+    if not isinstance(goal, Unknown) or isinstance(goal.regions, str):
+        return goal
+    return replace(goal, regions=[number for region in goal.regions for number in regions[region]])
 
 
 def plan_of(V: FloatArray, F: IntArray) -> Optional[tuple[FloatArray, FloatArray]]:

@@ -15,6 +15,7 @@ from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.result import SolveState
 from ..model.verdict import verdict
+from .between_creases import between_creases
 from .choices import Choice
 from .choices import choose
 from .polish.polisher import polish
@@ -23,7 +24,6 @@ from .projection.projector import ready
 from .projection.symmetry import tears_faces
 from .registry import METHODS
 from .registry import settings_of
-from .selection import finished
 from .settings import Settings
 
 __all__ = ["solved_on", "steps_towards"]
@@ -55,6 +55,11 @@ def solved_on(
     before = problem if problem.origin is None else problem.origin.drawn
     first = choose(drawn, settings)[0] if method == "auto" else Choice(method, "it was asked for")
     own = settings_of(METHODS[first.method], settings)
+    if first.then:
+        # These do not depend on a start.
+        between = between_creases(drawn, first, settings, callback)
+        if between is not None:
+            return between
     if first.method == "bending":
         if unknown_constants(drawn) or not _of_same_types(problem, before):
             # From a dome no way leads to a saddle.
@@ -75,9 +80,8 @@ def solved_on(
     if solution.faces is None:
         show_arrived(callback, solution.vertices)
     judged = solution.verdict or verdict(solution.with_found(drawn).with_vertices(solution.vertices), drawn.vertices)
-    solution = finished(solution._replace(method=first.method, verdict=judged), drawn, first, settings, callback)
-    message = joined([solution.message, f"by the method {solution.method}, on from the surface that was found before"])
-    return solution._replace(message=message) if solution.verdict is not None and solution.verdict.fair else None
+    message = joined([solution.message, f"by the method {first.method}, on from the surface that was found before"])
+    return solution._replace(method=first.method, verdict=judged, message=message) if judged.fair else None
 
 
 def _of_same_types(problem: CGCProblem, before: CGCProblem) -> bool:

@@ -43,8 +43,8 @@ from .registry import METHODS
 from .registry import method_of
 from .registry import options
 from .registry import settings_for
+from .running import run_method
 from .selection import run_auto
-from .selection import run_method
 from .settings import Settings
 
 __all__ = ["chosen_settings", "solve"]

@@ -33,7 +33,7 @@ from compas_cgc.solvers.flow import flow
 from compas_cgc.solvers.flow.finish import flow_and_finish
 from compas_cgc.solvers.newton import newton
 from compas_cgc.solvers.registry import METHODS
-from compas_cgc.solvers.selection import run_method
+from compas_cgc.solvers.running import run_method
 
 from ..support import shapes
 from ..system.fairness_study import case

@@ -15,7 +15,7 @@ from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.paper.examples.plan import hexagonal_disk
 from compas_cgc.solvers.registry import METHODS
-from compas_cgc.solvers.selection import run_method
+from compas_cgc.solvers.running import run_method
 
 from ..support import shapes
 
