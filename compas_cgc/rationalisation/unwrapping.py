@@ -126,7 +126,8 @@ def _disc(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> Unwra
     values[last] = float(np.linalg.norm(vertices[last] - vertices[first]))
     free = np.concatenate([used, n + used])
     free = free[~known[free]]
-    values[free] = factorise(matrix[free][:, free].tocsr()).solve(-(matrix[free] @ values))
+    places = np.tile(vertices, (2, 1))[free]
+    values[free] = factorise(matrix[free][:, free].tocsr(), symmetric=True, points=places).solve(-(matrix[free] @ values))
     uv = values.reshape(2, n).T
     uv = uv * np.sqrt(_area(vertices, faces) / max(abs(_plane_area(uv, faces)), 1e-300))
     uv = _narrowest(uv, used)
@@ -230,7 +231,7 @@ def _around_and_along(vertices: FloatArray, faces: IntArray, first: IntArray, la
     v[last] = 1.0
     free = np.setdiff1d(used, np.concatenate([first, last]))
     if len(free):
-        v[free] = factorise(stiffness[free][:, free].tocsr(), symmetric=True).solve(-(stiffness[free] @ v))
+        v[free] = factorise(stiffness[free][:, free].tocsr(), symmetric=True, points=vertices[free]).solve(-(stiffness[free] @ v))
     path = _path(vertices, faces, first, last)
     u = _angle(vertices, faces, path)
     return np.column_stack([u[used], _along(vertices, faces, v)[used]]), used
@@ -316,7 +317,7 @@ def _angle(vertices: FloatArray, faces: IntArray, path: IntArray) -> FloatArray:
     right_side = -(joined.T @ (stiffness @ jump))
     free = np.setdiff1d(used, path[:1])
     u = np.zeros(n)
-    u[free] = factorise(matrix[free][:, free].tocsr(), symmetric=True).solve(right_side[free])
+    u[free] = factorise(matrix[free][:, free].tocsr(), symmetric=True, points=vertices[free]).solve(right_side[free])
     return u
 
 
