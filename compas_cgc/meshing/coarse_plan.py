@@ -32,6 +32,7 @@ MIN_SEGMENTS = 3  # of a closed line
 CLEARANCE = 0.6  # distance of inner vertices from lines in edge lengths; above 1/2 the lines are Delaunay edges
 SAMPLE_SPACING = 0.25  # spacing of the sample points for this distance, in edge lengths
 SLIVER_AREA = 1e-3  # area relative to the mean below which a triangle is a sliver
+SHEAR, TIE = 1e-7, 1e-9  # shear of a lattice, and difference of distances against the edge length, that are above rounding
 CANCELLED = 1e-6  # sum of directions against the lengths of their edges, which is rounding
 AREA_TOLERANCE = 0.02  # relative difference of plan areas above which the mesh overlaps itself
 
@@ -65,7 +66,7 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     step
         Edge length [L].
     anew
-        Lay the lattice out along the boundary, not along the edges of the fine mesh.
+        Lay the lattice out along the boundary and the lines, not along the edges of the fine mesh, so that it moves with the plan.
 
     Returns
     -------
@@ -74,11 +75,14 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     """
     edges = edge_faces(faces)
     rim = edges[edges[:, 3] < 0, :2]
+    axes = _frame(plan, rim, lines, edges[:, :2]) if anew else np.eye(2)
+    direction, mirrored = 0.0 if anew else _direction(plan, edges[:, :2]), bool(np.linalg.det(axes) < 0.0)
+    plan, faces = plan @ axes, faces[:, ::-1] if mirrored else faces
     ends = _ends(len(plan), rim, lines)
     around, along = (_segments(plan, own, kept | ends, step) for own in (rim, lines))
     paths = [*around, *along]
     chosen = np.unique(np.concatenate([*paths, np.flatnonzero(kept)]))
-    lattice = _lattice(plan[np.unique(faces)], _direction(plan, rim if anew else edges[:, :2]), step)
+    lattice = _lattice(plan[np.unique(faces)], direction, step)
     inner = _inner_points(plan, lattice, np.vstack([rim, lines]), chosen, step)
     within, weights = located(inner, plan, faces, step)
     inner, weights, within = inner[within >= 0], weights[within >= 0], within[within >= 0]
@@ -87,11 +91,13 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     place[chosen] = np.arange(len(chosen))
     outer, inside = (_edges_of(place, own) for own in (around, along))
     try:
-        coarse = _delaunay(points, np.vstack([outer, inside]), plan, faces, step)
+        coarse = _delaunay(points, direction, np.vstack([outer, inside]), plan, faces, step)
     except QhullError:
         return None
     if not len(coarse) or not _runs_along(coarse, outer, inside) or not _covers(points, coarse, plan, faces):
         return None
+    if mirrored:
+        coarse, weights = np.ascontiguousarray(coarse[:, ::-1]), weights[:, ::-1]
     return CoarsePlan(coarse, chosen, within, weights, inside)
 
 
@@ -146,7 +152,7 @@ def _thinned(points: FloatArray, path: Indices, step: float) -> Indices:
     count = max(1, round(length[-1] / step), int(np.ceil(_turns(points, closed).sum() / MAX_BENDING)), MIN_SEGMENTS if closed else 1)
     goals = np.linspace(0.0, length[-1], count + 1)
     after = np.clip(np.searchsorted(length, goals), 1, len(path) - 1)
-    nearest = np.where(goals - length[after - 1] < length[after] - goals, after - 1, after)
+    nearest = np.where(goals - length[after - 1] < length[after] - goals + TIE * step, after - 1, after)
     return path[np.unique(np.concatenate([[0], nearest, [len(path) - 1]]))]
 
 
@@ -177,11 +183,23 @@ def _lattice(plan: FloatArray, direction: float, step: float) -> FloatArray:
 
 
 def _direction(plan: FloatArray, edges: Edges) -> float:
-    """Return the prevailing direction of edges modulo 60 degrees [rad]; modulo 30 degrees where those at right angles cancel."""
+    """Return the prevailing direction of edges modulo 60 degrees [rad]: modulo 30 degrees where those at right angles cancel.
+
+    Of its multiples of 60 degrees the one nearest to what prevails modulo 180 degrees is returned.
+    """
     along = (plan[edges[:, 1]] - plan[edges[:, 0]]) @ np.array([1.0, 1.0j])
     length, turn = np.abs(along), along / np.maximum(np.abs(along), np.finfo(float).tiny)
-    sixfold, twelvefold = (complex(length @ turn**k) for k in (6, 12))
-    return float(np.angle(sixfold)) / 6.0 if abs(sixfold) > CANCELLED * length.sum() else float(np.angle(twelvefold)) / 12.0
+    twofold, sixfold, twelvefold = (complex(length @ turn**k) for k in (2, 6, 12))
+    found = float(np.angle(sixfold)) / 6.0 if abs(sixfold) > CANCELLED * length.sum() else float(np.angle(twelvefold)) / 12.0
+    return found + np.pi / 3.0 * round((float(np.angle(twofold)) / 2.0 - found) / (np.pi / 3.0))
+
+
+def _frame(plan: FloatArray, rim: Edges, lines: Edges, edges: Edges) -> FloatArray:
+    """Return axes (2, 2) in which a plan is the same however it is turned, and mirrored as the fine mesh in it is."""
+    angle = _direction(plan, np.vstack([rim, lines]))
+    along = (plan[edges[:, 1]] - plan[edges[:, 0]]) @ np.array([1.0, 1.0j]) * np.exp(-1j * angle)
+    hand = np.copysign(1.0, np.imag(np.abs(along) @ np.exp(6j * np.angle(along))))
+    return np.array([[np.cos(angle), -hand * np.sin(angle)], [np.sin(angle), hand * np.cos(angle)]])
 
 
 def _sampled(plan: FloatArray, edges: Edges, spacing: float) -> FloatArray:
@@ -193,9 +211,12 @@ def _sampled(plan: FloatArray, edges: Edges, spacing: float) -> FloatArray:
     return plan[edges[owner, 0]] + part[:, None] * along[owner]
 
 
-def _delaunay(points: FloatArray, lines: Edges, plan: FloatArray, faces: Faces, step: float) -> Faces:
+def _delaunay(points: FloatArray, direction: float, lines: Edges, plan: FloatArray, faces: Faces, step: float) -> Faces:
     """Return the Delaunay triangles of points (p, 2) within another mesh, constrained to the lines (c, 2)."""
-    coarse = Delaunay(points).simplices.astype(np.int64)
+    # Points of a lattice beside a line lie on one circle: a shear along the lattice decides, not rounding.
+    along = np.array([np.cos(direction), np.sin(direction)])
+    sheared = points + SHEAR * np.outer(points @ np.array([-along[1], along[0]]), along)
+    coarse = Delaunay(sheared).simplices.astype(np.int64)
     coarse[_double_areas(points, coarse) < 0] = coarse[_double_areas(points, coarse) < 0][:, ::-1]
     # Triangles without area along a straight boundary have no orientation.
     coarse = _with_lines(points, _without_slivers(points, coarse), lines)
