@@ -33,7 +33,7 @@ CLEARANCE = 0.6  # distance of inner vertices from lines in edge lengths; above 
 SAMPLE_SPACING = 0.25  # spacing of the sample points for this distance, in edge lengths
 SLIVER_AREA = 1e-3  # area relative to the mean below which a triangle is a sliver
 SHEAR, TIE = 1e-7, 1e-9  # shear of a lattice, and difference of distances against the edge length, that are above rounding
-CANCELLED = 1e-6  # sum of directions against the lengths of their edges, which is rounding
+CANCELLED = 1e-6  # mean of directions that is rounding
 AREA_TOLERANCE = 0.02  # relative difference of plan areas above which the mesh overlaps itself
 
 
@@ -183,22 +183,29 @@ def _lattice(plan: FloatArray, direction: float, step: float) -> FloatArray:
 
 
 def _direction(plan: FloatArray, edges: Edges) -> float:
-    """Return the prevailing direction of edges modulo 60 degrees [rad]: modulo 30 degrees where those at right angles cancel.
+    """Return the prevailing direction of edges modulo 60 degrees [rad]."""
+    return float(np.angle(_turned(plan, edges, 6))) / 6.0
 
-    Of its multiples of 60 degrees the one nearest to what prevails modulo 180 degrees is returned.
-    """
+
+def _turned(plan: FloatArray, edges: Edges, folds: int) -> complex:
+    """Return the mean of the directions of edges times a number, as complex numbers, weighted by length; 0 where they cancel."""
     along = (plan[edges[:, 1]] - plan[edges[:, 0]]) @ np.array([1.0, 1.0j])
-    length, turn = np.abs(along), along / np.maximum(np.abs(along), np.finfo(float).tiny)
-    twofold, sixfold, twelvefold = (complex(length @ turn**k) for k in (2, 6, 12))
-    found = float(np.angle(sixfold)) / 6.0 if abs(sixfold) > CANCELLED * length.sum() else float(np.angle(twelvefold)) / 12.0
-    return found + np.pi / 3.0 * round((float(np.angle(twofold)) / 2.0 - found) / (np.pi / 3.0))
+    length = np.abs(along)
+    mean = complex(length @ np.exp(1j * folds * np.angle(along))) / float(length.sum())
+    return mean if abs(mean) > CANCELLED else 0.0
 
 
 def _frame(plan: FloatArray, rim: Edges, lines: Edges, edges: Edges) -> FloatArray:
-    """Return axes (2, 2) in which a plan is the same however it is turned, and mirrored as the fine mesh in it is."""
-    angle = _direction(plan, np.vstack([rim, lines]))
-    along = (plan[edges[:, 1]] - plan[edges[:, 0]]) @ np.array([1.0, 1.0j]) * np.exp(-1j * angle)
-    hand = np.copysign(1.0, np.imag(np.abs(along) @ np.exp(6j * np.angle(along))))
+    """Return axes (2, 2) in which a plan is the same however it is turned, and mirrored as the fine mesh in it is.
+
+    The first one is a direction that prevails among rim and lines, of multiples of 60 degrees, or of 30 where those at right angles
+    cancel, the one nearest to what prevails modulo 180 degrees, if need be among all edges.
+    """
+    outer = np.vstack([rim, lines])
+    sixfold, twofold = _turned(plan, outer, 6), _turned(plan, outer, 2) or _turned(plan, edges, 2)
+    angle = float(np.angle(sixfold)) / 6.0 if sixfold else float(np.angle(_turned(plan, outer, 12))) / 12.0
+    angle += np.pi / 3.0 * round((float(np.angle(twofold)) / 2.0 - angle) / (np.pi / 3.0))
+    hand = np.copysign(1.0, (_turned(plan, edges, 6) * np.exp(-6j * angle)).imag)
     return np.array([[np.cos(angle), -hand * np.sin(angle)], [np.sin(angle), hand * np.cos(angle)]])
 
 

@@ -45,7 +45,13 @@ def quartered(problem: CGCProblem) -> CGCProblem:
     roles[of_rim & (on_rim | ~rim[ends].all(axis=1))] = FIXED
     known = problem.asked[ends] & np.isfinite(problem.targets[ends])
     own = np.where(known, problem.targets[ends], 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1)
-    targets = np.where(known.any(axis=1), own, problem.face_targets()[edges[:, 2]])
+    # Beside the end of a crease the nearest vertex where K is asked for may lie beyond it, and a region may have none.
+    regions, elsewhere = problem.regions(), problem.face_targets().copy()
+    for region, K in enumerate(problem.region_targets()):
+        within = problem.targets[problem.region_vertices(region) & problem.asked]
+        if K is not None or len(within):
+            elsewhere[regions == region] = within.mean() if K is None else K
+    targets = np.where(known.any(axis=1), own, elsewhere[edges[:, 2]])
     return CGCProblem(
         np.vstack([V, V[ends].mean(axis=1)]),
         faces,

@@ -34,6 +34,7 @@ __all__ = ["between_creases"]
 EVEN = 600  # vertices of the even triangles on which creases are found
 FINENESS = 64  # vertices, for one of these, of the mesh from whose edges theirs are taken, so that they are evenly spaced
 CORRECTIONS = 8  # of goals; every one leaves about a tenth of what was missed
+ROUNDED = 1e-10  # what goals are missed by, against their numbers or the size, that is rounding
 
 
 def between_creases(problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
@@ -61,6 +62,7 @@ def between_creases(problem: CGCProblem, choice: Choice, settings: Optional[Sett
     even = _creased(asked)
     # Without a plan the mesh itself has to do.
     posed, shown = (asked, callback) if even is None else (even.problem, even.shown(callback))
+    best: Optional[Solution] = None
     for _ in range(CORRECTIONS):
         found = _bent(posed, choice, settings, shown)
         found = found if even is None else even.carried(found)
@@ -69,25 +71,35 @@ def between_creases(problem: CGCProblem, choice: Choice, settings: Optional[Sett
         between = None if found.status != "converged" else _between(found, problem, choice, settings, callback)
         if between is None or between.status == "cancelled":
             return between
+        # A last correction where goals are met leaves rounding.
+        corrected = None
+        if missed_goal(asked, between, ROUNDED) is not None and best is None:
+            corrected = with_missed_added(posed, asked, between.vertices)
         if missed_goal(asked, between) is None:
-            return between if missed_goal(problem, between) is None else None
-        corrected = with_missed_added(posed, asked, between.vertices)
+            best = between
         if corrected is None:
-            return None
+            break
         posed = corrected
-    return None
+    return best if best is not None and missed_goal(problem, best) is None else None
 
 
 def _bent(posed: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Solution:
-    """Return the surface that bends and folds least, without goals by way of half its K̄: on a long way folds snap through at vertices."""
+    """Return the surface that bends and folds least: without goals, of two ways the one that ends with less energy.
+
+    On a long way folds may snap through at single vertices. Half of K̄ is on the second way.
+    """
     run = partial(run_method, METHODS[choice.method], settings=settings, options=choice.options, callback=callback)
-    if posed.goals:
-        return run(posed)
+    straight = run(posed)
+    if posed.goals or straight.status != "converged":
+        return straight
     half = run(posed.with_targets(0.5 * posed.targets))
     if half.status != "converged":
-        return half if half.status == "cancelled" else run(posed)
+        return half if half.status == "cancelled" else straight
     own = settings_of(METHODS[choice.method], settings)
-    return polish(posed, settings=own, start=half.vertices, callback=callback)  # type: ignore[arg-type]
+    other = polish(posed, settings=own, start=half.vertices, callback=callback)  # type: ignore[arg-type]
+    if other.status != "converged":
+        return other if other.status == "cancelled" else straight
+    return min(straight, other, key=lambda one: one.branches[0].energy)
 
 
 def _between(
@@ -134,6 +146,7 @@ class _Creased:
         moved[self._even.kept] = (solution.vertices - self.problem.vertices)[:own]
         for path in self._fine.crease_paths():
             vertices[path] = self._fine.vertices[path] + _along(self._fine.vertices[path], moved[path])
+        vertices[~self._fine.movable] = self._fine.vertices[~self._fine.movable]
         targets = None if solution.targets is None else self._even.carried_targets(solution.targets)[:count]
         return solution._replace(vertices=vertices[:count], targets=targets, verdict=None, branches=())
 

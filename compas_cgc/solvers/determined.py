@@ -99,12 +99,12 @@ def _met_by(problem: CGCProblem, goal: Constraint, solve: Callable[[CGCProblem],
     return Sentence(f"; K = {K:.3g} has it", [Remedy("targets", K)])
 
 
-def missed_goal(problem: CGCProblem, solution: Solution) -> Optional[_Missed]:
-    """Return the first goal that a surface misses, None where all are met."""
+def missed_goal(problem: CGCProblem, solution: Solution, within: float = MISSED) -> Optional[_Missed]:
+    """Return the first goal that a surface misses by more than a part of its number or of the size, None where all are met."""
     size = float(np.ptp(problem.vertices, axis=0).max())
     for goal in problem.goals:
         away = _away(problem.with_goals([goal], add=False), solution.vertices, size)
-        if away > MISSED:
+        if away > within:
             return _Missed(goal, _words(solution.with_found(problem), goal, solution.vertices, away * size))
     return None
 

@@ -18,8 +18,9 @@ from compas_cgc.model.roles import FIXED
 def problem():
     mesh = CGCMesh.from_meshgrid(dx=6.0, nx=6)
     mesh.set_supports([*range(7), 3 * 7 + 2, 4 * 7 + 2])
-    mesh.set_creases([[7 * 4 + k for k in range(2, 7)], [3, 7 + 3, 14 + 3]])
+    mesh.set_creases([[7 * 5 + k for k in range(7)], [3, 7 + 3, 14 + 3]])
     mesh.set_target(0.02)
+    mesh.set_target(0.03, region=1)
     return mesh.to_problem().with_goals([Rise(2.0)])
 
 
@@ -40,4 +41,4 @@ def test_roles_and_targets_are_those_of_the_edges(problem):
     held = fine.vertices[n:][fine.roles[n:] == FIXED]
     assert sorted(map(tuple, held[:, :2].tolist())) == sorted([*((0.0, k + 0.5) for k in range(6)), (3.5, 2.0)])
     assert len(fine.creases) == 2 * len(problem.creases) and (fine.roles[n:] == CREASE).sum() == len(problem.creases)
-    assert fine.targets[fine.asked] == pytest.approx(0.02)
+    assert fine.region_targets() == problem.region_targets() == [0.02, 0.03]
