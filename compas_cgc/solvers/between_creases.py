@@ -139,13 +139,12 @@ class _Creased:
 
     def carried(self, solution: Solution) -> Solution:
         """Return a solution on the even triangles as one on the mesh itself: along creases it is that of splines."""
-        count = len(self._drawn.vertices)
-        vertices = self._even.carried(solution.vertices, anew=True)
+        count, own = len(self._drawn.vertices), len(self._even.kept)
+        vertices, plan = self._even.carried(solution.vertices, anew=True), self._even.flat
         moved = np.full(vertices.shape, np.nan)
-        own = len(self._even.kept)
-        moved[self._even.kept] = (solution.vertices - self.problem.vertices)[:own]
+        moved[self._even.kept] = solution.vertices[:own] - plan[self._even.kept]
         for path in self._fine.crease_paths():
-            vertices[path] = self._fine.vertices[path] + _along(self._fine.vertices[path], moved[path])
+            vertices[path] = plan[path] + _along(plan[path], moved[path])
         vertices[~self._fine.movable] = self._fine.vertices[~self._fine.movable]
         targets = None if solution.targets is None else self._even.carried_targets(solution.targets)[:count]
         return solution._replace(vertices=vertices[:count], targets=targets, verdict=None, branches=())

@@ -74,6 +74,12 @@ class Coarse:
             for here, there in ((np.flatnonzero(regions[0][:, r]), np.flatnonzero(regions[1][:, r])) for r in range(regions[0].shape[1]))
         ]
 
+    @property
+    def flat(self) -> FloatArray:
+        """Vertices (n, 3) of the finer mesh in a plane, seen as they are against the plan [L]."""
+        V = self._fine.vertices
+        return np.asarray(V - np.outer(V @ self._up, self._up))
+
     def carried_targets(self, targets: FloatArray) -> FloatArray:
         """Return the targets (n,) of the finer mesh for those (k,) found on the coarser one, region by region [1/L^2]."""
         result = self._fine.targets.copy()
@@ -92,8 +98,7 @@ class Coarse:
         """
         before, moved = self._fine.vertices, vertices - self.problem.vertices
         if anew:
-            moved = moved + np.outer(self.problem.vertices @ self._up, self._up)
-            before = before - np.outer(before @ self._up, self._up)
+            moved, before = moved + np.outer(self.problem.vertices @ self._up, self._up), self.flat
         total, count = np.zeros((len(self._fine.vertices), 3)), np.zeros(len(self._fine.vertices))
         for here, there, carry in self._parts:
             total[there] += carry(moved[here])

@@ -162,7 +162,7 @@ def test_a_surface_is_judged_once_however_often_its_verdict_is_read(monkeypatch)
         judged.append(args)
         return verdict(*args)
 
-    for module in ("solvers.selection", "datastructures.solve_result", "analysis.report"):
+    for module in ("solvers.running", "datastructures.solve_result", "analysis.report"):
         monkeypatch.setattr(f"compas_cgc.{module}.verdict", counted)
     roof = square(8, 0.5)
     result = solve(roof)
