@@ -20,10 +20,11 @@ from .drawing import overlap
 from .drawing import roomiest
 from .drawing import text_box
 from .figures import in_mm
-from .front_view import front_view
+from .front_view import all_views
 from .front_view import is_plan
 from .front_view import seen_from
 from .front_view import view_name
+from .front_view import views_of
 from .leaders import LED_SIZES
 from .leaders import READABLE
 from .leaders import around
@@ -40,6 +41,9 @@ from .sheet_drawing import MARK_LENGTH
 __all__ = ["courses", "draw_plan", "neighbours", "numbered_courses"]
 
 SEAM_PLACES = (0.2, 0.8, 0.35, 0.65, 0.1, 0.9, 0.5)  # along a seam, where its number is tried, away from names in the middle of pieces
+NAME_SHARES = (0.55, 0.9)  # height of a name relative to the room of its piece: beside numbers of seams, and for the smallest names
+SEAM_SIZES = np.array([1.0, 0.7, 0.5])  # heights of the number of a seam that are tried, relative to the usual one
+VIEW_GAP = 4.0  # between views, relative to the height of the texts
 SEAM_TEXT = 0.15  # height of the number of a seam, relative to its length in plan
 MEANINGS = {
     "OUTLINE": "edges of the pieces",
@@ -116,7 +120,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
     Returns
     -------
     Drawing
-        View from above, or of an upright surface from outside [L]; pieces along the line of sight appear as lines.
+        View from above with elevations of steep pieces, or of an upright surface the view from outside [L].
 
     Examples
     --------
@@ -129,62 +133,86 @@ def draw_plan(patterns: Patterns) -> Drawing:
     True
     """
     refuse_others(patterns, "a plan is drawn", "draw_plan")
+    own, units, views = patterns.patchwork, patterns.problem.drawing.units, all_views(patterns.problem)
+    corners = own.space[own.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    shown = views_of(views, normals, own.piece, len(patterns.pieces))
+    height = 1.5 * MARK_LENGTH * float(np.ptp(own.space @ views[0, :2].T, axis=0).max())
+    numbers, used = courses(patterns), np.unique(shown)
+    drawn = _beside_the_first([_view(patterns, views[k], np.flatnonzero(shown == k), numbers, height) for k in used], VIEW_GAP * height)
+    first = views[used[0]]
+    low = np.min([own.space[loop.nodes].min(axis=0) for k in np.flatnonzero(shown == used[0]) for loop in patterns.pieces[k].loops], axis=0)
+    origin = ", ".join(f"{axis} = {in_mm([value], units)}" for axis, value in zip("xy", low.tolist()))
+    corner = f"; the lower left corner of this plan lies at {origin} of the model" if is_plan(first) else ""
+    notes = [
+        f"drawn 1:1, {seen_from(first)}{corner}",
+        "pieces lie on their sheets turned; the numbers of seams show how",
+    ]
+    if len(used) > 1:
+        notes.append("steep pieces are drawn in the elevation from the side to which they face instead of in the plan")
+    top = np.array([0.0, drawn.size[1] + 5.0 * height])
+    lines, texts = key_of_plan(key_of(patterns.problem), top, drawn.size[0], 0.75 * height, units, first)
+    return with_legend(drawn._replace(lines=[*drawn.lines, *lines], texts=[*drawn.texts, *texts]), MEANINGS, notes, 0.75 * height)
+
+
+def _beside_the_first(views: list[Drawing], gap: float) -> Drawing:
+    """Return views with the others in a column to the right of the first, from the top, with a gap for their titles [L]."""
+    found, right, bottom = views[0], views[0].size[0] + gap, 0.0
+    for view in reversed(views[1:]):
+        placed = view.moved((right, bottom))
+        size = max(found.size[0], right + view.size[0]), max(found.size[1], bottom + view.size[1])
+        bottom += view.size[1] + gap
+        found = found._replace(lines=[*found.lines, *placed.lines], texts=[*found.texts, *placed.texts], size=size)
+    return found
+
+
+def _view(patterns: Patterns, axes: FloatArray, chosen: IntArray, numbers: list[int], height: float) -> Drawing:
+    """Return the outlines, names and seam numbers of some pieces in a view, with its title above."""
     own = patterns.patchwork
-    axes = front_view(patterns.problem)
     plan = own.space @ axes[:2].T
-    low, high = plan.min(axis=0), plan.max(axis=0)
-    plan = plan - low
-    size = (float(high[0] - low[0]), float(high[1] - low[1]))
-    height = 1.5 * MARK_LENGTH * max(size)
-    lines, texts = [], []
-    for number, (piece, course) in enumerate(zip(patterns.pieces, courses(patterns))):
+    corners = np.concatenate([plan[loop.nodes] for number in chosen for loop in patterns.pieces[number].loops])
+    low = corners.min(axis=0)
+    plan, size = plan - low, corners.max(axis=0) - low
+    lines, texts = list[Line](), dict[int, Text]()
+    for number in chosen.tolist():
+        piece = patterns.pieces[number]
         loops = [plan[loop.nodes] for loop in piece.loops]
         lines += [Line("OUTLINE", loop, True) for loop in loops]
         # Pieces along the line of sight have no area.
-        free = inside(loops)
-        place, room = roomiest(free if len(free) else plan[own.faces[own.piece == number]].mean(axis=1), loops)
-        name = f"{piece.label} ({course})"
-        texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER_WIDTH * len(name))))))
-    middles = [own.place for own in texts]
+        free, name = inside(loops), f"{piece.label} ({numbers[number]})"
+        place, room = roomiest(free if len(free) else plan[own.faces[own.piece == number]].mean(axis=1), loops, name)
+        texts[number] = Text("LABEL", name, place, float(min(height, np.clip(READABLE * height, *(np.array(NAME_SHARES) * room)))))
+    middles = {number: text.place for number, text in texts.items()}
     sides = sides_of([line.points for line in lines])
     usual = 0.4 * height
-    boxes = [text_box(own.text, own.place, own.height) for own in texts if own.height >= READABLE * height]
-    for k, label in enumerate(texts):
+    boxes = [text_box(own.text, own.place, own.height) for own in texts.values() if own.height >= READABLE * height]
+    for number, label in texts.items():
         if label.height < READABLE * height:
-            leader, texts[k] = led_aside(
-                label,
-                label.place,
-                around(label.place, label.text, READABLE * height, np.array(size)),
-                height * LED_SIZES[-1:],
-                sides,
-                boxes,
-            )
-            boxes.append(text_box(label.text, texts[k].place, texts[k].height))
+            places = around(label.place, label.text, READABLE * height, size)
+            leader, texts[number] = led_aside(label, label.place, places, height * LED_SIZES[-1:], sides, boxes)
+            boxes.append(text_box(label.text, texts[number].place, texts[number].height))
             lines += leader
-    lengths = [float(arc_lengths(plan[seam.nodes])[-1]) for seam in patterns.seams]
+    seams = [(seam, next((piece for piece in seam.pieces if piece in texts), None)) for seam in patterns.seams]
+    beside = [(seam, piece, float(arc_lengths(plan[seam.nodes])[-1])) for seam, piece in seams if piece is not None]
+    numbered = list[Text]()
     # Numbers of short seams are led to what room the others leave.
-    for length, seam in sorted(zip(lengths, patterns.seams), key=lambda each: SEAM_TEXT * each[0] < READABLE * usual):
+    for seam, piece, length in sorted(beside, key=lambda each: SEAM_TEXT * each[2] < READABLE * usual):
         text, small, leader = str(seam.number), min(usual, SEAM_TEXT * length), list[Line]()
-        places = _beside(plan[seam.nodes], text, small)
-        place = next((own for own in places if not any(overlap(text_box(text, own, small), box) for box in boxes)), places[0])
-        label = Text("SEAM", text, place, small)
+        tried = [Text("SEAM", text, place, size) for size in small * SEAM_SIZES for place in _beside(plan[seam.nodes], text, size)]
+        label = next((own for own in tried if not any(overlap(text_box(text, own.place, own.height), box) for box in boxes)), tried[0])
         if small < READABLE * usual:
             foot = point_at(plan[seam.nodes], np.array([0.5 * length]))[0]
-            leader, label = led_aside(label, foot, towards(foot, middles[seam.pieces[0]]), usual * LED_SIZES, sides, boxes)
+            leader, label = led_aside(label, foot, towards(foot, middles[piece]), usual * LED_SIZES, sides, boxes)
         lines += leader
-        texts.append(label)
+        numbered.append(label)
         boxes.append(text_box(text, label.place, label.height))
-    title = f"{view_name(axes)} of {len(patterns.pieces)} pieces with courses from the supports in brackets, and seam numbers"
-    texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
-    units = patterns.problem.drawing.units
-    origin = ", ".join(f"{axis} = {in_mm([value], units)}" for axis, value in zip("xy", low.tolist()))
-    corner = f"; the lower left corner of this plan lies at {origin} of the model" if is_plan(axes) else ""
-    notes = [
-        f"drawn 1:1, {seen_from(axes)}{corner}",
-        "pieces lie on their sheets turned; the numbers of seams show how",
-    ]
-    key = key_of_plan(key_of(patterns.problem), np.array([0.0, size[1] + 5.0 * height]), size[0], 0.75 * height, units, axes)
-    return with_legend(Drawing([*lines, *key[0]], [*texts, *key[1]], size, units), MEANINGS, notes, 0.75 * height)
+    name = view_name(axes, patterns.problem.drawing.north)
+    every = len(chosen) == len(patterns.pieces)
+    about = " with courses from the supports in brackets, and seam numbers" if every or is_plan(axes) else ""
+    title = f"{name} of {len(chosen)} {'' if every or is_plan(axes) else 'steep '}pieces{about}"
+    tall = height if about else min(height, float(size[0]) / (LETTER_WIDTH * len(title)))
+    titled = Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), tall)
+    return Drawing(lines, [*texts.values(), *numbered, titled], (float(size[0]), float(size[1])), patterns.problem.drawing.units)
 
 
 def _beside(path: FloatArray, text: str, size: float) -> list[FloatArray]:

@@ -22,6 +22,7 @@ __all__ = [
     "overlap",
     "roomiest",
     "segment_distances",
+    "square_room",
     "text_box",
 ]
 
@@ -87,15 +88,26 @@ class Drawing(NamedTuple):
         return self._replace(lines=lines, texts=[text._replace(place=text.place + by) for text in self.texts])
 
 
-def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArray, float]:
-    """Return the best of some points (p, 2) for a label, far from outlines and near the middle, and its distance from outlines [L]."""
+def roomiest(centres: FloatArray, loops: Sequence[FloatArray], text: str) -> tuple[FloatArray, float]:
+    """Return the best of some points (p, 2) for a text, near the middle, and the height at which it touches the outlines [L]."""
     centres = centres[:: max(1, len(centres) // MAX_PLACES)]
     start = np.concatenate(loops)
     end = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
-    away = segment_distances(centres, np.stack([start, end], axis=1)).min(axis=1)
+    half = 0.5 * np.array([LETTER_WIDTH * len(text), 1.0])
+    room = square_room(centres / half, np.stack([start, end], axis=1) / half)
     off = np.linalg.norm(centres - 0.5 * (start.min(axis=0) + start.max(axis=0)), axis=1)
-    best = int(np.argmin(np.where(away >= ROOM_RATIO * away.max(), off, np.inf)))
-    return centres[best], float(away[best])
+    best = int(np.argmin(np.where(room >= ROOM_RATIO * room.max(), off, np.inf)))
+    return centres[best], float(room[best])
+
+
+def square_room(places: FloatArray, segments: FloatArray) -> FloatArray:
+    """Return half the side of the largest square around places (p, 2) that no segment (k, 2, 2) enters (p,)."""
+    start, along = segments[:, 0] - places[:, None], segments[:, 1] - segments[:, 0]
+    # The larger coordinate is least at an end, on an axis or on a diagonal.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        on = [-(start @ normal) / (along @ normal) for normal in np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])]
+    shares = np.clip(np.nan_to_num([*on, np.zeros_like(on[0]), np.ones_like(on[0])]), 0.0, 1.0)
+    return np.asarray(np.abs(start + shares[..., None] * along).max(axis=3).min(axis=(0, 2)), dtype=np.float64)
 
 
 def segment_distances(points: FloatArray, segments: FloatArray) -> FloatArray:

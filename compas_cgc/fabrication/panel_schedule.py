@@ -9,6 +9,7 @@ import numpy as np
 
 from ..discrete import edge_faces
 from ..discrete import face_areas
+from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import boundary_loops
@@ -16,7 +17,8 @@ from ..model.counts import counted
 from ..model.counts import listed
 from ..model.problem import CGCProblem
 from .figures import SHORT
-from .front_view import front_view
+from .front_view import all_views
+from .front_view import views_of
 from .mould_report import K_MEANING
 from .mould_report import MouldReport
 from .mould_report import PanelFit
@@ -95,7 +97,7 @@ class PanelSheet(NamedTuple):
     area: float  # [m^2]
     above: bool  # whether the outside, from which it is seen, is above
     used: float  # stress of bending on 95 % of the area, relative to the strength of the material
-    view: FloatArray  # (3, 3) axes of the plan or elevation of the roof: to the right, upwards, and to the viewer
+    view: FloatArray  # (3, 3) axes of the plan or elevation that shows it: to the right, upwards, and to the viewer
 
     @property
     def remarks(self) -> list[str]:
@@ -118,13 +120,16 @@ def panel_sheets(problem: CGCProblem, report: MouldReport) -> list[PanelSheet]:
     order = np.argsort(key, kind="stable")
     key, sides = key[order], np.where(edges[:, 3:] >= 0, owner[edges[:, 2:]], -1)[order]
     names = [fit.panel.name for fit in report.panels]
-    view, found = front_view(problem), []
+    shown, found = owner >= 0, []
+    views = all_views(problem)
+    normals = face_areas(vertices, faces)[:, None] * face_normals(vertices, faces)
+    view = views[views_of(views, normals[shown], owner[shown], len(names))]
     for number, fit in enumerate(report.panels):
         loop = max(boundary_loops(faces[fit.panel.faces]), key=len)
         at = np.searchsorted(key, np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1) @ [n, 1])
         beyond = np.where(sides[at, 0] == number, sides[at, 1], sides[at, 0])
         own = np.unique(faces[fit.panel.faces])
-        found.append(_sheet(report, fit, vertices[loop], vertices[own], np.where(edges[order][at, 3] < 0, -1, beyond), names, view))
+        found.append(_sheet(report, fit, vertices[loop], vertices[own], np.where(edges[order][at, 3] < 0, -1, beyond), names, view[number]))
     return found
 
 

@@ -126,9 +126,8 @@ def face_label(name: str, points: FloatArray, height: float) -> Text:
     """Return the name of a face with corners (k, 2) at the place with most room, at most of a height."""
     share = np.array([[i, j, k] for i in range(1, 8) for j in range(1, 8) for k in range(1, 8) if i + j + k == 9]) / 9.0
     fan = np.array([points[[0, k, k + 1]] for k in range(1, len(points) - 1)])
-    place, room = roomiest(np.einsum("sc,fcj->fsj", share, fan).reshape(-1, 2), [points])
-    half = 0.5 * math.hypot(LETTER_WIDTH * len(name), 1.0)
-    return Text("LABEL", name, place, min(height, 0.6 * room / half))
+    place, room = roomiest(np.einsum("sc,fcj->fsj", share, fan).reshape(-1, 2), [points], name)
+    return Text("LABEL", name, place, min(height, 0.6 * room))
 
 
 def labels_in_plan(quads: PlaneQuads, places: FloatArray, height: float) -> tuple[list[Text], list[Text]]:

@@ -146,10 +146,9 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         loops = [loop.points for loop in piece.loops]
         free = inside(loops)
         # Needles may lie between the points of the grid.
-        place, room = roomiest(free if len(free) else patterns.patchwork.plane[patterns.patchwork.piece == number].mean(axis=1), loops)
-        # The circle of free room around the label contains its corners.
-        half = 0.5 * np.hypot(LETTER_WIDTH * len(piece.label), 1.0)
-        label = Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.95 * room / half)))
+        centres = free if len(free) else patterns.patchwork.plane[patterns.patchwork.piece == number].mean(axis=1)
+        place, room = roomiest(centres, loops, piece.label)
+        label = Text("LABEL", piece.label, place + origin, min(4.0 * height, 0.8 * room))
         texts.append(label)
         labels[number] = text_box(piece.label, place, label.height)
         if nodes:

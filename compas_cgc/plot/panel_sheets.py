@@ -82,9 +82,19 @@ def _pages(sheets: list[PanelSheet], title: str, north: Plan) -> Iterator[Figure
     for first in range(0, len(sheets), ROWS):
         page = sheets[first : first + ROWS]
         yield _schedule(page, f"{title} panels {first + 1} to {first + len(page)} of {len(sheets)}", panel_totals(sheets))
-    yield _plan(sheets, f"{title} {view_name(sheets[0].view)} of {len(sheets)} panels", north)
+    for same in _by_view(sheets):
+        yield _plan(same, f"{title} {view_name(same[0].view, north)} of {len(same)} panels", north)
     for own in sheets:
         yield panel_figure(own, title, sheets, north)
+
+
+def _by_view(sheets: Sequence[PanelSheet]) -> list[list[PanelSheet]]:
+    """Return the panels of every plan or elevation."""
+    found: list[list[PanelSheet]] = []
+    for own in sheets:
+        same = next((group for group in found if np.array_equal(group[0].view, own.view)), None)
+        found.append([own]) if same is None else same.append(own)
+    return found
 
 
 def _schedule(sheets: list[PanelSheet], title: str, totals: str) -> Figure:
@@ -213,11 +223,11 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
     room = 72.0 * np.array(PAGE) * place[2:] / (high - low + 2.0 * MARGIN * size)
     _draw_outline(axes, own, outline, float(room.min()))
     if sheets:
-        plan = _plan_axes(figure, sheets, KEY, "0.7")
+        plan = _plan_axes(figure, [other for other in sheets if np.array_equal(other.view, own.view)], KEY, "0.7")
         plan.fill(*_flat(own).T, facecolor="0.4", edgecolor=INK, linewidth=0.4)
         plan.plot(*_flat(own)[0], marker="o", markersize=2.5, color=INK)
         add_key(plan, Key("mm", north), own.view, size=6.0)
-        where = f"place in {view_name(own.view)}; dot: corner 1"
+        where = f"place in {view_name(own.view, north)}; dot: corner 1"
         figure.text(KEY[0] + 0.5 * KEY[2], KEY[1] - 0.015, where, fontsize=6, color=INK, ha="center")
     axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)

@@ -14,8 +14,11 @@ from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import plane_quads
 from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication.drawing import overlap
+from compas_cgc.fabrication.drawing import text_box
 from compas_cgc.fabrication.front_view import PLAN
 from compas_cgc.fabrication.front_view import front_view
+from compas_cgc.fabrication.front_view import view_name
 from compas_cgc.fabrication.lath_files import draw_laths
 from compas_cgc.fabrication.laths import lath_schedule
 from compas_cgc.fabrication.panel_schedule import panel_sheets
@@ -64,6 +67,29 @@ def test_pieces_and_panels_of_an_upright_surface_are_drawn_as_those_in_plan(dome
         sizes.append(np.ptp(outline, axis=0))
     assert titles == [{"plan"}, {"elevation"}]
     assert sizes[1] == pytest.approx(sizes[0], rel=0.02)
+
+
+def test_steep_pieces_and_panels_are_drawn_in_elevations():
+    mesh = compas_cgc.CGCMesh.from_meshgrid(dx=12.0, nx=24)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.018)
+    problem = compas_cgc.solve(mesh, settings={"measure": "exact"}).problem
+    cut = unroll(problem, (3.0, 1.5), rough=True)
+    drawn = draw_plan(cut)
+    titles = [text.text for text in drawn.texts if text.layer == "SHEET"]
+    sides = [f"{side} elevation" for side in ("south", "east", "north", "west")]
+    assert [title.split(" of ")[0] for title in titles] == ["plan", *sides[::-1]]
+    names = [text for text in drawn.texts if text.layer == "LABEL"]
+    assert sorted(text.text.split()[0] for text in names) == sorted(piece.label for piece in cut.pieces)
+    assert sum(int(title.split(" of ")[1].split()[0]) for title in titles) == len(cut.pieces)
+    boxes = [text_box(text.text, text.place, text.height) for text in names]
+    assert not any(overlap(one, other) for k, one in enumerate(boxes) for other in boxes[:k])
+    sheets = panel_sheets(problem, moulds(problem, panels(problem, 2.0), rough=True))
+    assert {view_name(own.view) for own in sheets} == {"plan", *sides}
+    for own in sheets:
+        corners = own.corners - own.corners.mean(axis=0)
+        normal = np.linalg.svd(corners)[2][2]
+        assert abs(own.view[2] @ normal) > 0.45
 
 
 def test_numbers_of_quads_of_an_upright_surface_are_read_from_outside(dome, tmp_path):

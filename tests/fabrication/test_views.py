@@ -11,6 +11,7 @@ import shapely
 
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
+from compas_cgc import solve
 from compas_cgc import write
 from compas_cgc.cli import main
 from compas_cgc.errors import CGCError
@@ -18,6 +19,7 @@ from compas_cgc.fabrication import draw_views
 from compas_cgc.fabrication.plain_data import build_data
 from compas_cgc.fabrication.views.level_lines import level_lines
 from compas_cgc.fabrication.views.marks import letters
+from compas_cgc.fabrication.views.projections import UPRIGHT_PADDING
 from compas_cgc.fabrication.views.projections import Shape
 from compas_cgc.fabrication.views.projections import elevation
 from compas_cgc.fabrication.views.setting_out import chain
@@ -213,7 +215,7 @@ def test_views_lie_on_the_sheet_and_do_not_overlap():
     "given, sentence",
     [
         ({"scale": 1}, "at 1:1 the views do not fit on A0; use 1:"),
-        ({"scale": 50, "sheet": "A4"}, "at 1:50 the views do not fit on A4; use 1:250, or a larger sheet"),
+        ({"scale": 50, "sheet": "A4"}, "at 1:50 the views do not fit on A4; use 1:200, or a larger sheet"),
         ({"sheet": "A7"}, "the sheet must be one of A4, A3, A2, A1, A0"),
         ({"sections": [(0, 0, 0, 0)]}, "the line of section A from its first to its second point must be two numbers"),
         ({"sections": [(0, 50, 1, 50)]}, "the line of section A does not cross the surface"),
@@ -264,3 +266,24 @@ def test_plain_data_is_json():
     told = json.loads(json.dumps(build_data("drawings", own, drawn)))
     assert {line["layer"] for line in told["lines"]} <= set(told["layers"]) and told["text"] == str(drawn)
     assert len(told["contours"]) == len(drawn.contours) and told["size"] == [420.0, 297.0]
+
+
+def test_silhouettes_of_a_steep_roof_are_single_lines():
+    """Edges between faces towards and away from the viewer are a zigzag over the width of a face."""
+    mesh = CGCMesh.from_outline([(0, 0, 0), (12, 0, 0), (12, 9, 0), (0, 9, 0)], 0.45)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.025)
+    drawn = elevation(Shape(solve(mesh).problem), 10.0, "South", np.array([0.0, -1.0]))
+    lines = [line.points - UPRIGHT_PADDING[0] for line in drawn.lines if line.layer == "OUTLINE"]
+    sides = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
+    for level in (5.0, 10.0, 15.0, 30.0):
+        (x0, y0), (x1, y1) = sides[(sides[:, 0, 1] < level) != (sides[:, 1, 1] < level)].transpose(1, 2, 0)
+        x = x0 + (level - y0) / (y1 - y0) * (x1 - x0)
+        assert (x < 60.0).any() and (x > 60.0).any()
+        assert np.ptp(x[x < 60.0]) < 1.0 and np.ptp(x[x > 60.0]) < 1.0
+
+
+def test_a_long_low_hall_is_drawn_in_columns_at_a_larger_scale():
+    hall = roof(scale=[20.0 / 3.0, 5.0, 2.5])
+    drawn = draw_views(hall)
+    assert (drawn.sheet, drawn.scale) == ("A3", 500)

@@ -29,7 +29,7 @@ from .marks import Label
 from .marks import View
 from .marks import letters
 from .notes import legend
-from .projections import PADDING
+from .projections import UPRIGHT_PADDING
 from .projections import Cut
 from .projections import Shape
 from .projections import elevation
@@ -48,6 +48,13 @@ MARGIN = 10.0  # of the frame [mm]
 STRIP = 16.0  # height of the title block [mm]
 CONTOURS = 10  # approximate number of contour lines
 MAX_CONTOURS = 500
+
+
+class _Groups(NamedTuple):
+    """Rows or columns of views."""
+
+    axis: int  # 0 for rows, 1 for columns
+    views: list[list[int]]  # numbers of the views of each
 
 
 class ViewSheet(NamedTuple):
@@ -170,13 +177,13 @@ def draw_views(
     units = problem.drawing.units or "Meters"
     unit_mm = 1000.0 * metres(units)
     sizes = _sizes(shape, cuts, upwards)
-    paddings = np.array([shape.plan_padding.sum(axis=0), *[PADDING.sum(axis=0)] * (len(sizes) - 1)])
-    name, found, rows = _chosen(sizes, paddings, unit_mm, scale, sheet)
+    paddings = np.array([shape.plan_padding.sum(axis=0), *[UPRIGHT_PADDING.sum(axis=0)] * (len(sizes) - 1)])
+    name, found, groups = _chosen(sizes, paddings, unit_mm, scale, sheet)
     k = unit_mm / found
     sides = {"South": -upwards, "East": _east(upwards), "North": upwards, "West": -_east(upwards)}
     views = [plan(shape, k, interval, cuts, upwards), *(section(shape, k, cut) for cut in cuts)]
     views += [elevation(shape, k, side, towards) for side, towards in sides.items()]
-    placed = _placed(views, rows, SHEETS[name])
+    placed = _placed(views, groups, SHEETS[name])
     frame_lines, frame_labels = _title_block(shape, SHEETS[name], title, found, name, units, interval)
     levels = [
         (level, line) for level in shape.levels(interval) for line in level_lines(shape.vertices, shape.faces, shape.vertices[:, 2], level)
@@ -267,8 +274,8 @@ def _sizes(shape: Shape, cuts: Sequence[Cut], north: FloatArray) -> FloatArray:
 
 def _chosen(
     sizes: FloatArray, paddings: FloatArray, unit_mm: float, scale: Optional[int], sheet: Optional[str]
-) -> tuple[str, int, list[list[int]]]:
-    """Return the sheet, the scale, and the views of each row, for sizes (k, 2) [L] with room around them (k, 2) [mm]."""
+) -> tuple[str, int, _Groups]:
+    """Return the sheet, the scale, and the rows or columns of views, for sizes (k, 2) [L] with room around them (k, 2) [mm]."""
     if sheet is not None and sheet not in SHEETS:
         raise CGCError(f"the sheet must be one of {', '.join(SHEETS)}, not {sheet!r:.20}")
     if scale is not None and not scale > 0:
@@ -276,43 +283,61 @@ def _chosen(
     names = [sheet] if sheet else list(SHEETS) if scale else [DEFAULT_SHEET]
     for name in names:
         for found in SCALES if scale is None else (scale,):
-            rows = _rows(unit_mm / found * sizes + paddings, SHEETS[name])
-            if rows is not None:
-                return name, found, rows
+            groups = _grouped(unit_mm / found * sizes + paddings, SHEETS[name])
+            if groups is not None:
+                return name, found, groups
     if scale is None:
         raise CGCError(f"the {len(sizes)} views do not fit on {names[0]} at any scale; use a larger sheet, or draw fewer sections")
-    fits = next((own for own in SCALES if _rows(unit_mm / own * sizes + paddings, SHEETS[names[-1]]) is not None), None)
+    fits = next((own for own in SCALES if _grouped(unit_mm / own * sizes + paddings, SHEETS[names[-1]]) is not None), None)
     remedy = "draw fewer sections" if fits is None else f"use 1:{fits}"
     raise CGCError(f"at 1:{scale} the views do not fit on {names[-1]}; {remedy}{'' if sheet is None else ', or a larger sheet'}")
 
 
-def _rows(sizes: FloatArray, sheet: tuple[float, float]) -> Optional[list[list[int]]]:
-    """Return the views of each row from the top, None if they do not fit on a sheet."""
-    width, height = sheet[0] - 2 * MARGIN, sheet[1] - 2 * MARGIN - STRIP
-    rows: list[list[int]] = []
-    for number, (own, _) in enumerate(sizes):
-        if own > width:
+def _room(sheet: tuple[float, float]) -> FloatArray:
+    """Return the width and height that views may fill (2,) [mm]."""
+    return np.array(sheet) - 2 * MARGIN - [0.0, STRIP]
+
+
+def _grouped(sizes: FloatArray, sheet: tuple[float, float]) -> Optional[_Groups]:
+    """Return the rows of views from the top, else columns from the left, None if neither fits on a sheet."""
+    room = _room(sheet)
+    for axis in (0, 1):
+        groups = _filled(sizes[:, axis], float(room[axis]))
+        if groups is not None and sum(sizes[group, 1 - axis].max() for group in groups) <= room[1 - axis]:
+            return _Groups(axis, groups)
+    return None
+
+
+def _filled(lengths: FloatArray, room: float) -> Optional[list[list[int]]]:
+    """Return the views of each row or column in order, for their lengths (k,) along it, None if one is longer than the room [mm]."""
+    groups: list[list[int]] = []
+    for number, own in enumerate(lengths):
+        if own > room:
             return None
-        if rows and sizes[rows[-1], 0].sum() + own <= width:
-            rows[-1].append(number)
+        if groups and lengths[groups[-1]].sum() + own <= room:
+            groups[-1].append(number)
         else:
-            rows.append([number])
-    return rows if sum(sizes[row, 1].max() for row in rows) <= height else None
+            groups.append([number])
+    return groups
 
 
-def _placed(views: Sequence[View], rows: list[list[int]], sheet: tuple[float, float]) -> list[View]:
-    """Return the views in their places, with equal gaps."""
-    heights = [max(views[k].size[1] for k in row) for row in rows]
-    gap = (sheet[1] - 2 * MARGIN - STRIP - sum(heights)) / (len(rows) + 1)
-    top, placed = sheet[1] - MARGIN, []
-    for row, height in zip(rows, heights):
-        bottom = top - gap - height
-        space = (sheet[0] - 2 * MARGIN - sum(views[k].size[0] for k in row)) / (len(row) + 1)
-        left = MARGIN + space
-        for k in row:
-            placed.append(views[k].moved(np.array([left, bottom])))
-            left += views[k].size[0] + space
-        top = bottom
+def _placed(views: Sequence[View], groups: _Groups, sheet: tuple[float, float]) -> list[View]:
+    """Return the views in their places, with equal gaps; those of a row have a common lower edge, those of a column a common middle."""
+    sizes, room = np.array([view.size for view in views]), _room(sheet)
+    axis, other = groups.axis, 1 - groups.axis
+    widths = [float(sizes[group, other].max()) for group in groups.views]
+    gap = (room[other] - sum(widths)) / (len(widths) + 1)
+    start, placed = gap, list[View]()
+    for group, width in zip(groups.views, widths):
+        space = (room[axis] - sizes[group, axis].sum()) / (len(group) + 1)
+        at = space
+        for k in group:
+            corner = np.zeros(2)  # upper left corner, from that of the room to the right and down
+            corner[axis] = at
+            corner[other] = start + (width - sizes[k, other]) * (1.0 if axis == 0 else 0.5)
+            placed.append(views[k].moved(np.array([MARGIN + corner[0], sheet[1] - MARGIN - corner[1] - sizes[k, 1]])))
+            at += sizes[k, axis] + space
+        start += width + gap
     return placed
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ..drawing import square_room
 from .marks import TEXT_HEIGHT
 from .marks import Label
 from .marks import letters
@@ -46,22 +47,12 @@ def region_labels(shape: Shape, plan: FloatArray, lines: FloatArray) -> list[Lab
         texts = f"region {region}", "K varies" if K is None else f"K = {K + 0.0:.3g}"
         half = np.array([0.5 * max(letters(text, SMALL) for text in texts), ROWS_PITCH * SMALL])
         own = centres[number == region]
-        room = np.minimum(_room(own / half, lines / half), 1.0)
+        room = np.minimum(square_room(own / half, lines / half), 1.0)
         off = np.linalg.norm(own - own.mean(axis=0), axis=1)
         best = int(np.argmin(np.where(room >= ROOM_RATIO * room.max(), off, np.inf)))
         height, up = SMALL * float(room[best]), np.array([0.0, 0.5 * ROWS_PITCH * SMALL * float(room[best])])
         labels += [Label("REGION", text, own[best] + side * up, height) for text, side in zip(texts, (1.0, -1.0))]
     return labels
-
-
-def _room(places: FloatArray, segments: FloatArray) -> FloatArray:
-    """Return half the side of the largest square around places (p, 2) that no segment (k, 2, 2) enters (p,)."""
-    start, along = segments[:, 0] - places[:, None], segments[:, 1] - segments[:, 0]
-    # The larger coordinate is least at an end, on an axis or on a diagonal.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        on = [-(start @ normal) / (along @ normal) for normal in np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])]
-    shares = np.clip(np.nan_to_num([*on, np.zeros_like(on[0]), np.ones_like(on[0])]), 0.0, 1.0)
-    return np.asarray(np.abs(start + shares[..., None] * along).max(axis=3).min(axis=(0, 2)), dtype=np.float64)
 
 
 def support_heights(shape: Shape, plan: FloatArray, taken: Sequence[Label]) -> list[Label]:

@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...discrete import face_normals
+from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...meshing import boundary_loops
-from ...meshing import crease_paths
 from ...meshing.visibility import in_sight
 from ...model.problem import CGCProblem
 from ..drawing import Line
@@ -37,9 +36,10 @@ from .notes import support_heights
 from .setting_out import chain
 from .setting_out import set_out
 
-__all__ = ["PADDING", "Cut", "Shape", "elevation", "plan", "section"]
+__all__ = ["UPRIGHT_PADDING", "Cut", "Shape", "elevation", "plan", "section"]
 
-PADDING = np.array([[24.0, 24.0], [14.0, 14.0]])  # of a view: left and below, right and above [mm]
+PADDING = np.array([[24.0, 24.0], [14.0, 14.0]])  # of the plan: left and below, right and above [mm]
+UPRIGHT_PADDING = np.array([[24.0, 12.0], [5.0, 5.0]])  # of sections and elevations: left and below, right and above [mm]
 DIMENSION_AT = 14.0  # distance of dimensions from the plan [mm]
 CHAIN_AT, CHAIN_ROOM = 12.0, 6.0  # distance of chains of dimensions from the plan, and by how much the whole ones are farther off [mm]
 SUPPORT_SIZE = 2.4  # of the symbol of a single support [mm]
@@ -48,6 +48,7 @@ NORTH_LENGTH = 9.0  # [mm]
 MIN_LABEL_ROOM = 3.0  # length of a contour relative to its text, below which it has no text
 SUPPORT_TOLERANCE = 1e-9  # distance in front of a section at which a support is shown, relative to the size
 PIECES = 2  # of a segment, for visibility
+BESIDE_RATIO = 5e-3  # distance from a silhouette at which its visibility is tested, relative to the size
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -129,13 +130,19 @@ class Shape:
         heights = {self.number(height + 0.0) for height in self.vertices[self.problem.supports, 2].tolist()}
         return heights.pop() if len(heights) == 1 else ""
 
-    def silhouettes(self, eye: FloatArray) -> list[FloatArray]:
-        """Return the edges between faces towards the viewer and faces away, for the direction (3,) of the viewer, as polylines."""
-        sides = np.sort(np.stack([self.faces, np.roll(self.faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-        towards = np.repeat(face_normals(self.vertices, self.faces) @ eye > 0.0, 3)
-        edges, number, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
-        turned = (np.bincount(number.ravel(), towards, len(edges)) == 1) & (count == 2)
-        return [self.vertices[path] for path in crease_paths(edges[turned].tolist())]
+    def silhouettes(self, eye: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+        """Return the lines where regions turn away from a viewer in a direction (3,), and points beside them for their visibility.
+
+        Lines and points are polylines ``(k, 3)`` [L].
+        """
+        number, found = self.problem.regions(), list[FloatArray]()
+        for region in range(int(number.max()) + 1):
+            faces = self.faces[number == region]
+            normals = vertex_normals(self.vertices, faces)
+            found += level_lines(np.hstack([self.vertices, normals]), faces, normals @ eye, 0.0)
+        # Facets beside a line may hide it, though the curved surface between them does not.
+        beside = BESIDE_RATIO * float(np.linalg.norm(self.high - self.low))
+        return [(line[:, :3], line[:, :3] + beside * line[:, 3:]) for line in found]
 
 
 def _runs(mask: np.ndarray) -> list[IntArray]:
@@ -261,11 +268,12 @@ def section(shape: Shape, scale: float, cut: Cut) -> View:
     beyond = shape.faces[(behind[shape.faces] >= 0).all(axis=1)]
     hidden_by = shape.faces[(behind[shape.faces] > 0).any(axis=1)]
     if len(beyond):
-        drawn = [shape.vertices[path] for path in (*shape.outlines, *shape.creases)]
-        for line in (*drawn, *shape.silhouettes(eye)):
+        edges = [shape.vertices[path] for path in (*shape.outlines, *shape.creases)]
+        for line, beside in (*zip(edges, edges), *shape.silhouettes(eye)):
             keep = -(line - np.append(cut.start, 0.0)) @ eye > 0
-            parts = [line[run[0] : run[-1] + 1] for run in _runs(keep) if len(run) > 1]
-            lines += [("BEYOND", seen) for part in parts for seen in _visible(part, shape.vertices, hidden_by, along, eye)]
+            for run in _runs(keep):
+                if len(run) > 1:
+                    lines += [("BEYOND", seen) for seen in _visible(line[run], beside[run], shape.vertices, hidden_by, along, eye)]
     held = shape.held_points[behind[shape.held_points] >= -SUPPORT_TOLERANCE * float(np.ptp(behind))]
     return _upright(f"Section {cut.letter}-{cut.letter}", shape, scale, along, lines, held)
 
@@ -287,25 +295,24 @@ def elevation(shape: Shape, scale: float, name: str, towards: FloatArray) -> Vie
     eye = np.append(towards, 0.0)
     along = np.cross(UP, eye)
     lines = []
-    paths = [
-        *(("OUTLINE", shape.vertices[path]) for path in shape.outlines),
-        *(("OUTLINE", line) for line in shape.silhouettes(eye)),
-        *(("CREASE", shape.vertices[path]) for path in shape.creases),
-        *(("SUPPORT", shape.vertices[path]) for path in shape.held_lines),
-    ]
-    for layer, line in paths:
-        lines += [(layer, seen) for seen in _visible(line, shape.vertices, shape.faces, along, eye)]
+    edges = (("OUTLINE", shape.outlines), ("CREASE", shape.creases), ("SUPPORT", shape.held_lines))
+    paths = [("OUTLINE", *own) for own in shape.silhouettes(eye)]
+    paths += [(layer, shape.vertices[path], shape.vertices[path]) for layer, own in edges for path in own]
+    for layer, line, beside in paths:
+        lines += [(layer, seen) for seen in _visible(line, beside, shape.vertices, shape.faces, along, eye)]
     axes = np.stack([along, UP, eye])
     seen = in_sight(shape.vertices[shape.held_points] @ axes.T, shape.vertices @ axes.T, shape.faces)
     return _upright(f"{name} elevation", shape, scale, along, lines, shape.held_points[seen])
 
 
-def _visible(line: FloatArray, vertices: FloatArray, faces: IntArray, along: FloatArray, eye: FloatArray) -> list[FloatArray]:
-    """Return the parts of a polyline (k, 3) that no face hides."""
+def _visible(
+    line: FloatArray, beside: FloatArray, vertices: FloatArray, faces: IntArray, along: FloatArray, eye: FloatArray
+) -> list[FloatArray]:
+    """Return the parts of a polyline (k, 3) at which no face hides another polyline (k, 3) beside it."""
     axes = np.stack([along, UP, eye])
-    place = np.arange(PIECES * (len(line) - 1) + 1) / PIECES
-    fine = np.stack([np.interp(place, np.arange(len(line)), line[:, axis]) for axis in range(3)], axis=1)
-    seen = in_sight(0.5 * (fine[1:] + fine[:-1]) @ axes.T, vertices @ axes.T, faces)
+    place, at = np.arange(PIECES * (len(line) - 1) + 1) / PIECES, np.arange(len(line))
+    fine, tested = (np.stack([np.interp(place, at, own[:, axis]) for axis in range(3)], axis=1) for own in (line, beside))
+    seen = in_sight(0.5 * (tested[1:] + tested[:-1]) @ axes.T, vertices @ axes.T, faces)
     return [fine[run[0] : run[-1] + 2] for run in _runs(seen)]
 
 
@@ -316,21 +323,21 @@ def _upright(name: str, shape: Shape, scale: float, along: FloatArray, drawn: Se
     size = scale * np.array([np.ptp(every), shape.high[2] - shape.low[2]])
 
     def put(points: FloatArray) -> FloatArray:
-        return scale * (np.stack([points @ along, points[:, 2]], axis=1) - low) + PADDING[0]
+        return scale * (np.stack([points @ along, points[:, 2]], axis=1) - low) + UPRIGHT_PADDING[0]
 
     lines = [Line(layer, put(points)) for layer, points in drawn]
     labels = []
     foot = 0.5 * SUPPORT_SIZE * np.array([[0.0, 0.0], [1, -1.6], [-1, -1.6]])
     lines += [Line("SUPPORT", at + foot, closed=True) for at in put(shape.vertices[held])]
     for height in sorted({shape.low[2], shape.high[2]}):
-        level = scale * (height - shape.low[2]) + PADDING[0, 1]
-        lines.append(Line("GROUND", np.array([[PADDING[0, 0] - 3.0, level], [PADDING[0, 0] + size[0] + 3.0, level]])))
+        level = scale * (height - shape.low[2]) + UPRIGHT_PADDING[0, 1]
+        lines.append(Line("GROUND", np.array([[UPRIGHT_PADDING[0, 0] - 3.0, level], [UPRIGHT_PADDING[0, 0] + size[0] + 3.0, level]])))
         # Marks of a flat surface would cover each other.
         if height == shape.low[2] or size[1] > 1.5 * TEXT_HEIGHT:
-            mark, label = height_mark(np.array([PADDING[0, 0] - 3.0, level]), shape.number(height + 0.0))
+            mark, label = height_mark(np.array([UPRIGHT_PADDING[0, 0] - 3.0, level]), shape.number(height + 0.0))
             lines += mark
             labels.append(label)
-    return _named(name, lines, labels, size + PADDING.sum(axis=0))
+    return _named(name, lines, labels, size + UPRIGHT_PADDING.sum(axis=0))
 
 
 def _named(name: str, lines: list[Line], labels: list[Label], whole: FloatArray) -> View:

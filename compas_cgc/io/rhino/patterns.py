@@ -50,7 +50,7 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
         faces = own.faces[own.piece == number]
         used, corners = np.unique(faces, return_inverse=True)
         middles = own.space[faces].mean(axis=1)
-        place, _ = roomiest(middles[:, :2], [own.space[loop.nodes, :2] for loop in piece.loops])
+        place, _ = roomiest(middles[:, :2], [own.space[loop.nodes, :2] for loop in piece.loops], piece.label)
         writer.dot(piece.label, middles[np.argmin(np.linalg.norm(middles[:, :2] - place, axis=1))], named)
         figures = {"piece": piece.label, "region": str(piece.region), "sheet": str(piece.sheet + 1), "area": repr(piece.area)}
         attributes = writer.attributes(in_place, piece.label, {**figures, "largest strain": repr(piece.strain)})
