@@ -360,7 +360,13 @@ def test_quads_of_a_fourfold_roof_are_fourfold(spacing):
 
 
 @pytest.mark.parametrize(
-    ("width", "K", "spacing"), [(8.0, 0.02, 1.0), (8.0, 0.02, 1.2), pytest.param(12.0, 0.015, 0.6, marks=pytest.mark.nightly)]
+    ("width", "K", "spacing"),
+    [
+        (8.0, 0.02, 1.0),
+        (8.0, 0.02, 1.2),
+        pytest.param(12.0, 0.015, 0.6, marks=pytest.mark.nightly),
+        pytest.param(12.0, 0.02, 1.0, marks=pytest.mark.nightly),
+    ],
 )
 def test_no_line_ends_beside_corners_of_a_held_square(width, K, spacing):
     """Curvature varies most there, so that directions averaged over a part of the spacing have further singularities."""

@@ -42,7 +42,7 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
     """Return corners (k, 3) [L] near a surface for which polygons are plane.
 
     Gauss-Newton steps on the distances between diagonals, from tangent planes of the surface and from the rim, and on changes of the
-    shape of the lines.
+    shape of the lines; then steps on the distances between diagonals alone.
 
     Parameters
     ----------
@@ -71,15 +71,21 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
     points = start
     fair, stay = FAIR_WEIGHT**2 * (shape.T @ shape), STAY_WEIGHT**2 * sparse.identity(3 * n)
     curves = [vertices[np.append(rim, rim[0])] for rim in rims]
-    for _ in range(STEPS):
-        off, blocks = _aims(points, own, start, vertices, faces, curves)
-        close = sparse.block_diag(list(weight[:, None, None] ** 2 * blocks), format="csr")
+    for number in range(2 * STEPS):
+        if number < STEPS:
+            off, blocks = _aims(points, own, start, vertices, faces, curves)
+            close = sparse.block_diag(list(weight[:, None, None] ** 2 * blocks), format="csr")
+            away = close @ off.ravel() + (fair + stay) @ (points - start).ravel()
+        else:
+            # Where the surface turns fast, aims change from step to step. From here on only what makes the faces plane moves corners.
+            away = np.zeros(3 * n)
         gap, slopes = _diagonals(points, quadruples)
         matrix = PLANE_WEIGHT**2 * (slopes.T @ slopes) + close + fair + stay
-        right = -(PLANE_WEIGHT**2 * (slopes.T @ gap) + close @ off.ravel() + (fair + stay) @ (points - start).ravel())
+        right = -(PLANE_WEIGHT**2 * (slopes.T @ gap) + away)
         step = factorise(sparse.csr_matrix(matrix), symmetric=True).solve(right).reshape(-1, 3)
         points = points + step
-        if np.abs(_diagonals(points, quadruples)[0]).max(initial=0.0) <= PLANE * size and np.abs(step).max() <= 1e-6 * size:
+        plane = np.abs(_diagonals(points, quadruples)[0]).max(initial=0.0) <= PLANE * size
+        if plane and (number >= STEPS or np.abs(step).max() <= 1e-6 * size):
             break
     return points
 
