@@ -130,15 +130,15 @@ def grid_lines(problem: CGCProblem, region: IntArray, division: Division) -> Gri
         every = np.concatenate([charts[k].at for k in own])
         low[own], extent[own] = every.min(axis=0), np.maximum(np.ptp(every, axis=0), np.finfo(float).tiny)
     corners = [chart.scaled(*box) for chart, box in zip(charts, zip(low, extent))]
-    strips, lines = [], []
-    for strip in _strips(charts, group):
+    strips, lines, drawn = [], [], _strips(charts, group)
+    for strip, direction in zip(drawn, _directions(drawn)):
         along = [_turned(corners[k][:, :, axis], back) for k, axis, back in strip]
         lengths = np.array([extent[k, [axis, 1 - axis]] for k, axis, _ in strip]).mean(axis=0)
         if division.largest is not None:
             stretch = [_stretch(problem.vertices[problem.faces[charts[k].faces]], corners[k], axis) for k, axis, _ in strip]
-            positions = _of_one_length(along, np.concatenate(stretch), division.largest[strip[0][1]])
+            positions = _of_one_length(along, np.concatenate(stretch), division.largest[direction])
         else:
-            positions = _positions(division, strip[0][1], *lengths.tolist())
+            positions = _positions(division, direction, *lengths.tolist())
         at = np.concatenate(along)
         fewest = min(len(charts[k].faces) for k, *_ in strip)
         if len(positions) >= fewest:
@@ -211,6 +211,25 @@ def _strips(charts: list[_Chart], group: IntArray) -> list[list[tuple[int, int, 
                     strip.append((k, other, turned != back))
         strips.append(strip)
     return strips
+
+
+def _directions(strips: list[list[tuple[int, int, bool]]]) -> list[int]:
+    """Return the direction of every strip, 0 or 1; strips that cross in a region have different ones where that is possible.
+
+    The first coordinates of two neighbours may run along and across their common side.
+    """
+    owner = {(region, axis): number for number, strip in enumerate(strips) for region, axis, _ in strip}
+    found: dict[int, int] = {}
+    for number, strip in enumerate(strips):
+        found.setdefault(number, strip[0][1])
+        front = [number]
+        for own in front:
+            for region, axis, _ in strips[own]:
+                across = owner[region, 1 - axis]
+                if across not in found:
+                    found[across] = 1 - found[own]
+                    front.append(across)
+    return [found[number] for number in range(len(strips))]
 
 
 def _sides(chart: _Chart) -> list[tuple[int, list[int]]]:

@@ -125,6 +125,17 @@ def test_sheets_of_a_curved_roof_are_cut_along_one_grid(roof):
     assert len(set(count[[0, 2, 6, 8]].tolist())) == 1 and len(set(count[[1, 3, 5, 7]].tolist())) == 1
 
 
+def test_sheets_lie_alike_in_neighbouring_regions_whose_coordinates_run_differently():
+    """The halves of a hexagon have their first coordinates along and across the crease between them."""
+    corners = [(6.0 * np.cos(turn), 6.0 * np.sin(turn), 0.0) for turn in np.radians(30.0 + 60.0 * np.arange(6))]
+    mesh = CGCMesh.from_outline(corners, 0.5, creases=[[corners[0], corners[3]]])
+    mesh.set_supports([vertex for vertex in mesh.vertices() if np.hypot(*mesh.vertex_coordinates(vertex)[:2]) > 5.99])
+    mesh.set_target(0.012)
+    patterns = unroll(solve(mesh), (3.0, 1.5))
+    counts = np.bincount([piece.region for piece in patterns.pieces])
+    assert counts[0] == counts[1]
+
+
 def test_panels_of_a_vault_unroll_without_strain():
     vault = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
     patterns = unroll(vault, (3.0, 1.5), panels=panels(vault, 1.2))
