@@ -55,6 +55,7 @@ examples:
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --within 30mm --report panels.json
   compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --radii 12 30 -25 inf
   compas-cgc rationalise roof.3dm -o again.3dm --panel 2.5 --keep panels.json --locked 12 13
+  compas-cgc rationalise roof.3dm -o cheap.3dm --within 30mm --cost flat 0 200 --cost sphere 8000 450 --cost saddle 12000 600
 """
 
 NAMED = ("grid", "curvature", "geodesics", "levels", "faces")  # seams that need no curves
@@ -90,6 +91,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--supports", choices=("corners", "boundary", "none"), help="what is held (default: that of the file, or corners)")
     parser.add_argument("--edges", type=int, metavar="N", help="edges of the mesh along the side of a panel (default: 4 or more)")
     parser.add_argument("--tolerance", metavar="D", help="largest distance of a smooth surface fitted to a mesh (default: the file's)")
+    parser.add_argument(
+        "--cost",
+        action="append",
+        nargs=3,
+        metavar=("KIND", "MOULD", "PANEL"),
+        help="costs of a mould and of a panel off it, once each for flat, sphere and saddle; with --within, the cheapest surface is found",
+    )
+    parser.add_argument(
+        "--weight",
+        action="append",
+        nargs=5,
+        type=float,
+        metavar=("X", "Y", "Z", "RADIUS", "FACTOR"),
+        help="count distances within a radius of a point FACTOR times, in the units of DESIGN; can be repeated",
+    )
     parser.add_argument("--report", metavar="JSON", help="write moulds, distances, folds, and the accuracy of smooth surfaces as JSON")
     parser.add_argument("--sweep", type=int, nargs="*", metavar="N", help="write distances for these numbers of moulds to OUT.csv and .png")
     parser.add_argument("--nurbs", action="store_true", help="fit a NURBS surface to each panel, on the layer CGC::NURBS of a .3dm file")
@@ -134,6 +150,8 @@ def run(arguments: argparse.Namespace) -> int:
                 edges=arguments.edges,
                 tolerance=None if arguments.tolerance is None else length(arguments.tolerance, units, "--tolerance"),
                 locked=locked,
+                costs=_costs(arguments.cost),
+                weights=arguments.weight or (),
                 callback=watch,
             )
         finally:
@@ -164,6 +182,16 @@ def _code(found: Rationalised) -> int:
     if not found.kept:
         return NOT_CONVERGED
     return DONE if found.result.verdict is None or found.result.verdict.fair else ROUGH
+
+
+def _costs(given: Optional[list[list[str]]]) -> Optional[dict[str, tuple[float, float]]]:
+    """Return the costs of moulds and panels by kind."""
+    if given is None:
+        return None
+    try:
+        return {kind: (float(mould), float(panel)) for kind, mould, panel in given}
+    except ValueError:
+        raise CGCError("--cost needs a kind of mould and two numbers, such as --cost sphere 8000 450") from None
 
 
 def _seams(where: Optional[str]) -> SeamsInput:
@@ -294,6 +322,8 @@ def _sweep(arguments: argparse.Namespace, design: Design) -> Sweep:
             flat=arguments.flat,
             supports=arguments.supports,
             edges=arguments.edges,
+            costs=_costs(arguments.cost),
+            weights=arguments.weight or (),
             callback=lambda state: cancelled.is_set(),
         )
 

@@ -19,6 +19,7 @@ from ..discrete.arrays import Mask
 from .clusters import clusterings
 from .clusters import nearest_values
 from .clusters import signed_root
+from .costs import Allowance
 from .linear_search import POWER
 from .linear_search import Assignment
 from .linear_search import best_values
@@ -28,7 +29,7 @@ from .linear_search import search
 from .normal_moves import NormalMoves
 from .normal_moves import Sensitivities
 
-__all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
+__all__ = ["Moulds", "Placed", "assign", "catalogue", "cheapened", "finished", "rank"]
 
 STEPS, LINEARISATIONS = 3, 8  # of Newton's method after K has changed: steps with the same factors, and how often
 CLOSE = 0.05  # deviation of K times the area, below which a surface has its K; a part of it where the design has less K
@@ -96,6 +97,54 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
     return best
 
 
+def cheapened(moves: NormalMoves, placed: Placed, allowance: Allowance, watch: Optional[Watch] = None) -> Placed:
+    """Return an assignment with panels on cheaper and on fewer moulds whose solved surface stays within a distance, as a given one does.
+
+    Panels move in the same rounds as for the distance. Before and after, moulds are closed, and their panels come off those of the
+    nearest K.
+    """
+    if not allowance.keeps(moves.criteria(placed.moves)):
+        return placed
+    here = _cheaper_panels(moves, _fewer_moulds(moves, placed, allowance), allowance, watch)
+    return _fewer_moulds(moves, here, allowance)
+
+
+def _cheaper_panels(moves: NormalMoves, here: Placed, allowance: Allowance, watch: Optional[Watch]) -> Placed:
+    """Move panels to cheaper moulds in rounds, fewer of them after every round that fails."""
+    trust, done = max(1, round(TRUST * moves.panels)), 0
+    while trust and not (watch is not None and watch(done, done + ROUNDS, here.distance)):
+        there, changed, _ = _improved(moves, here, trust, allowance)
+        here, trust = (there, trust) if rank(moves, allowance, there) < rank(moves, allowance, here) else (here, changed // 3)
+        done += 1
+    return here
+
+
+def _fewer_moulds(moves: NormalMoves, here: Placed, allowance: Allowance) -> Placed:
+    """Close moulds where that costs less, those with the fewest panels first."""
+    for mould in np.argsort(np.bincount(here.assigned.classes, minlength=len(here.assigned.values)), kind="stable").tolist():
+        here = min(here, _without(moves, here, mould), key=lambda own: rank(moves, allowance, own))
+    return here
+
+
+def rank(moves: NormalMoves, allowance: Optional[Allowance], placed: Placed) -> tuple[bool, float, float]:
+    """Return what the best assignment has least of: it keeps the distance, costs less, and is nearer to the design."""
+    largest = float(np.abs(moves.distances(placed.moves)).max(initial=0.0))
+    if allowance is None or not allowance.keeps(moves.criteria(placed.moves)):
+        return True, 0.0, largest
+    return False, allowance.total(placed.assigned.values, placed.assigned.classes), largest
+
+
+def _without(moves: NormalMoves, here: Placed, mould: int) -> Placed:
+    """Return an assignment without panels on a mould: those on it come off the mould of the nearest K, if they are not locked."""
+    own = here.assigned
+    leave = (own.classes == mould) & ~own.locked
+    others = np.setdiff1d(own.classes, [mould])
+    if not (leave.any() and len(others)):
+        return here
+    classes = np.where(leave, others[nearest_values(own.K, own.values[others])], own.classes)
+    return evened(moves, _placed(moves, replace(own, classes=classes), here.moves), (POWER, *LAST_POWERS))
+
+
 class _Racer:
     """One of the assignments that are improved at the same time."""
 
@@ -115,15 +164,15 @@ class _Racer:
             self.trust = changed // 3
 
 
-def _improved(moves: NormalMoves, here: Placed, trust: int) -> tuple[Placed, int, float]:
-    """Return the surface after at most so many panels have moved to other moulds, how many have, and the norm the model predicts.
+def _improved(moves: NormalMoves, here: Placed, trust: int, allowance: Optional[Allowance] = None) -> tuple[Placed, int, float]:
+    """Return the surface after at most so many panels have moved to other, or cheaper, moulds, how many have, and the predicted norm.
 
     Panels that promise little stay, together with all others of their mould, so that few columns of sensitivities are needed.
     """
     stressing = _stressing(moves, here.moves, POWER)
     sensitivities = stressing.sensitivities(here.moves, here.assigned.K)
     own = here.assigned
-    panels = promising_panels(sensitivities, moves, own, ACTIVE)
+    panels = promising_panels(sensitivities, moves, own, ACTIVE, allowance)
     staying = np.ones(moves.panels, bool)
     staying[panels] = False
     moulds, group = np.unique(own.classes[staying], return_inverse=True)
@@ -132,19 +181,15 @@ def _improved(moves: NormalMoves, here: Placed, trust: int) -> tuple[Placed, int
     classes = np.concatenate([own.classes[panels], moulds])
     locked = np.concatenate([own.locked[panels], np.ones(len(moulds), bool)])
     linear = sensitivities.linear(groups).through(here.moves, own.values[classes])
-    found = search(linear.of(moves.criteria), moves.criteria_mass, Assignment(own.values, classes, own.kept, locked), trust)
+    if allowance is not None:
+        allowance = allowance._replace(sizes=np.concatenate([allowance.sizes[panels], np.zeros(len(moulds), np.int64)]))
+    found = search(linear.of(moves.criteria), moves.criteria_mass, Assignment(own.values, classes, own.kept, locked), trust, allowance)
     changed = int((found.classes != classes).sum())
     predicted = linear.at(found.K)
     if changed:
         there = replace(own, values=found.values, classes=found.classes[groups])
-        here = evened(moves, _placed(stressing, there, predicted))
+        here = evened(moves, _placed(stressing, there, predicted), (POWER,) if allowance is None else (POWER, *LAST_POWERS))
     return here, changed, _norm(moves, predicted)
-
-
-def nearest_surface(moves: NormalMoves) -> FloatArray:
-    """Return the K (p,) of the panels of the surface nearest to the design where every panel has its own [1/L^2]."""
-    nothing = np.zeros(len(moves.columns))
-    return _nearest(moves.sensitivities(nothing, moves.mean_curvatures(nothing)), moves.mass)
 
 
 def _nearest(sensitivities: Sensitivities, mass: FloatArray) -> FloatArray:
@@ -240,7 +285,7 @@ def catalogue(radii: Sequence[float]) -> FloatArray:
 def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Placed]:
     """Return the nearest surfaces, evened, of those of several clusterings that the linear model predicts nearest to the design."""
     sensitivities = moves.sensitivities(np.zeros(len(moves.columns)), design)
-    nearest = _nearest(sensitivities, moves.mass)
+    nearest = _nearest(sensitivities, moves.mass * moves.importance[moves.columns] ** 2)
     given = [own for sample in (design, nearest) for own in _given(moves, moulds, sample)]
     starts = max(1, min(STARTS, EFFORT // moves.panels))
     promising: list[Placed] = []

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from dataclasses import replace
+from typing import Optional
 
 import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from .costs import Allowance
 from .normal_moves import LinearMoves
 from .normal_moves import NormalMoves
 from .normal_moves import Sensitivities
@@ -92,8 +94,10 @@ def best_values(linear: LinearMoves, mass: FloatArray, assigned: Assignment, ste
     return replace(assigned, values=values)
 
 
-def promising_panels(sensitivities: Sensitivities, over: NormalMoves, assigned: Assignment, most: int) -> IntArray:
-    """Return the panels whose move to another mould promises the largest decrease of the distance, at most so many.
+def promising_panels(
+    sensitivities: Sensitivities, over: NormalMoves, assigned: Assignment, most: int, allowance: Optional[Allowance] = None
+) -> IntArray:
+    """Return the panels whose move to another, or a cheaper, mould promises the largest decrease of the distance, at most so many.
 
     Slopes come from one adjoint substitution, curvatures of the norm from a few with random signs.
 
@@ -112,12 +116,18 @@ def promising_panels(sensitivities: Sensitivities, over: NormalMoves, assigned: 
     slope, second = derivatives[:, 0], (POWER - 1) * (derivatives[:, 1:] ** 2).mean(axis=1)
     changes = assigned.values[None, :] - assigned.K[:, None]
     changes[assigned.locked] = 0.0
-    estimate = (slope[:, None] * changes + 0.5 * second[:, None] * changes**2).min(axis=1)
-    return np.sort(np.argsort(estimate, kind="stable")[:most])
+    estimate = slope[:, None] * changes + 0.5 * second[:, None] * changes**2
+    if allowance is not None and allowance.keeps(own):
+        savings = allowance.savings(assigned.values, assigned.classes)
+        estimate = np.divide(estimate, savings, out=np.full(changes.shape, np.inf), where=savings > 0.0)
+    return np.sort(np.argsort(estimate.min(axis=1), kind="stable")[:most])
 
 
-def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: int) -> Assignment:
-    """Move single panels to other moulds, at most so many, for as long as the distance decreases; the K of the moulds follow."""
+def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: int, allowance: Optional[Allowance] = None) -> Assignment:
+    """Move single panels to other moulds, at most so many, for as long as the distance decreases; the K of the moulds follow.
+
+    With an allowance, panels move to cheaper moulds where the distance is kept, those first that save most against what they add to it.
+    """
     responses = np.ascontiguousarray(linear.by_panel.T)
     squares = responses**2
     moves = linear.at(assigned.K)
@@ -125,19 +135,24 @@ def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: in
     for done in range(1, most + 1):
         changes = assigned.values[None, :] - assigned.K[:, None]
         changes[assigned.locked] = 0.0
-        panel, mould = np.nonzero(changes)
+        saving = allowance if allowance is not None and allowance.keeps(moves) else None
+        savings = np.ones(changes.shape) if saving is None else saving.savings(assigned.values, assigned.classes)
+        panel, mould = np.nonzero((changes != 0.0) & (savings > 0.0))
         if not len(panel):
             break
         weight = mass * (np.abs(moves) / np.abs(moves).max(initial=1e-300)) ** (POWER - 2)
         slope, second = responses @ (weight * moves), (POWER - 1) * (squares @ weight)
         by = changes[panel, mould]
         estimate = slope[panel] * by + 0.5 * second[panel] * by**2
-        chosen = np.argsort(estimate, kind="stable")[:CANDIDATES]
+        saved = savings[panel, mould]
+        chosen = np.argsort(estimate / saved, kind="stable")[:CANDIDATES]
         tried = moves + responses[panel[chosen]] * by[chosen, None]
         norms = distance_norm(tried.T, mass)
-        best = int(np.argmin(norms))
-        if not norms[best] ** POWER < (1.0 - GAIN) * norm**POWER:
+        rises = (norms**POWER - norm**POWER) / saved[chosen]
+        allowed = rises < -GAIN * norm**POWER if saving is None else saving.keeps(tried)
+        if not allowed.any():
             break
+        best = int(np.argmin(np.where(allowed, rises, np.inf)))
         classes = assigned.classes.copy()
         classes[panel[chosen[best]]] = mould[chosen[best]]
         assigned = replace(assigned, classes=classes)

@@ -11,8 +11,8 @@ from typing import Optional
 from ..errors import CGCError
 from ..errors import names_what_was_meant
 from .design import DesignInput
+from .progress import Watch
 from .result import Rationalised
-from .run import Watch
 from .run import rationalise
 
 if TYPE_CHECKING:
@@ -45,12 +45,14 @@ class Sweep:
     results: tuple[Rationalised, ...]
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return moulds, distances and folds of every result as plain data."""
+        """Return moulds, distances, folds and, where they are given, costs of every result as plain data."""
         rows = []
         for found in self.results:
             beyond = found.folds.beyond()
             figures = {"moulds": len(found.curvatures), "max": found.distance.largest, "rms": found.distance.rms}
-            rows.append({**figures, "kink_largest": beyond["largest"], "kink_median": beyond["median"], "status": found.result.status})
+            costs = {} if found.costs is None else {"costs": sum(found.costs_of_parts)}
+            kinks = {"kink_largest": beyond["largest"], "kink_median": beyond["median"]}
+            rows.append({**figures, **kinks, **costs, "status": found.result.status})
         return rows
 
     def pareto(self) -> list[Rationalised]:
@@ -64,7 +66,11 @@ class Sweep:
     def __str__(self) -> str:
         unit = self.results[0].design.drawing.units if self.results else None
         head = f"moulds  largest distance  rms  folds beyond the design [deg]{'' if unit is None else f'  ({unit.casefold()})'}"
-        lines = [f"{row['moulds']:6d}  {row['max']:16.3g}  {row['rms']:.3g}  {row['kink_largest']:.2g}" for row in self.rows()]
+        lines = [
+            f"{row['moulds']:6d}  {row['max']:16.3g}  {row['rms']:.3g}  {row['kink_largest']:.2g}"
+            + (f"  costs {row['costs']:,.10g}" if "costs" in row else "")
+            for row in self.rows()
+        ]
         return "\n".join([head, *lines])
 
     def figure(self) -> Figure:

@@ -63,9 +63,9 @@ class NormalMoves:
     r"""The surfaces ``x + w n`` over a panelled design, with K of every panel constant in the exact measure.
 
     Moves along normals are distances from the design, on the rim and on seams too, and nothing can slide along it unseen. Criteria C w
-    are the moves and the changes of the folds at seams, times the width of a panel. Of all surfaces with given K the one of least
-    energy :math:`\\frac12 w^T (C^T M C + \\beta Q) w` is taken, with masses M of the criteria and the bending energy
-    Q of the moves. A linearisation is one sparse positive definite system, with K held by a penalty and multipliers.
+    are the moves and the changes of the folds at seams, times the width of a panel, and times their importance. Of all surfaces with
+    given K the one of least energy :math:`\\frac12 w^T (C^T M C + \\beta Q) w` is taken, with masses M of the criteria and the bending
+    energy Q of the moves. A linearisation is one sparse positive definite system, with K held by a penalty and multipliers.
 
     Parameters
     ----------
@@ -77,13 +77,22 @@ class NormalMoves:
         What moves cost.
     groups
         ``(p,)`` group of every panel with the same K. Groups then count as panels: K and moulds are those of groups.
+    importance
+        ``(n,)`` factors by which distances and folds at vertices count. Default: 1.
 
     References
     ----------
     Nocedal and Wright, *Numerical Optimization*, chapter 17 (augmented Lagrangian), doi:10.1007/978-0-387-40065-5.
     """
 
-    def __init__(self, panelling: Panelling, fixed: Mask, weights: Optional[Weights] = None, groups: Optional[IntArray] = None):
+    def __init__(
+        self,
+        panelling: Panelling,
+        fixed: Mask,
+        weights: Optional[Weights] = None,
+        groups: Optional[IntArray] = None,
+        importance: Optional[FloatArray] = None,
+    ):
         weights = weights or Weights()
         V, F = panelling.vertices, panelling.faces
         n = len(V)
@@ -98,6 +107,7 @@ class NormalMoves:
         self._equations = exact_equations(CurvatureEquations(F, np.zeros(n), self.rows, self.columns), "exact")
         areas = vertex_areas(V, F)
         self.size = float(np.sqrt(areas.sum()))
+        self.importance = np.ones(n) if importance is None else importance
         self.mass = areas[self.columns] / areas.sum()
         seams = np.zeros(n, bool)
         seams[panelling.seams.ravel()] = True
@@ -105,7 +115,8 @@ class NormalMoves:
         self._bending = ((weights.smoothness * self.size / np.sqrt(n)) ** 4 / areas.sum() * bending).tocsr()
         seam_edges, jumps = slope_jumps(V, F, np.flatnonzero(_on_seams(F, panelling.panels)))
         width = FOLD_LENGTH * self.size / np.sqrt(panelling.panel_count)
-        self._criteria = sparse.vstack([sparse.identity(len(self.columns)), width * jumps[:, self.columns]]).tocsr()
+        factors = np.concatenate([self.importance[self.columns], width * self.importance[seam_edges].mean(axis=1)])
+        self._criteria = (sparse.diags(factors) @ sparse.vstack([sparse.identity(len(self.columns)), jumps[:, self.columns]])).tocsr()
         own = np.linalg.norm(V[seam_edges[:, 1]] - V[seam_edges[:, 0]], axis=1)
         shares = [self.mass / self.mass.sum(), own / max(own.sum(), 1e-300)]
         self.criteria_mass = np.concatenate(shares) / 2.0
@@ -126,8 +137,15 @@ class NormalMoves:
         return shape
 
     def criteria(self, moves: FloatArray) -> FloatArray:
-        """Return the distances and the changes of folds times the width of a panel (d,) or (d, r) for moves (c,) or (c, r) [L]."""
+        """Return the distances and the changes of folds times the width of a panel (d,) or (d, r) for moves (c,) or (c, r) [L].
+
+        Both are multiplied by their importance.
+        """
         return self._criteria @ moves
+
+    def distances(self, moves: FloatArray) -> FloatArray:
+        """Return the distances times their importance (c,), the first of the criteria [L]."""
+        return self.importance[self.columns] * moves
 
     def criteria_transposed(self, weights: FloatArray) -> FloatArray:
         """Return the derivatives (c, r) of sums of criteria with weights (d, r) by the moves."""

@@ -13,6 +13,7 @@ from ..datastructures import SolveResult
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..model.counts import counted
+from .costs import Costs
 from .design import Design
 from .distance import Distance
 from .distance import Folds
@@ -45,6 +46,10 @@ class Rationalised:
         Whether the search was cancelled before its end.
     suggestion
         What to change where the distance is not kept.
+    costs
+        Costs of moulds and panels by kind, None where none were given.
+    weights
+        ``(n,)`` factors by which distances at vertices count. Default: 1.
 
     Examples
     --------
@@ -67,6 +72,8 @@ class Rationalised:
     within: Optional[float] = None
     cancelled: bool = False
     suggestion: str = ""
+    costs: Optional[Costs] = None
+    weights: Optional[FloatArray] = None
 
     @cached_property
     def distance(self) -> Distance:
@@ -85,8 +92,22 @@ class Rationalised:
 
     @property
     def farthest(self) -> float:
-        """Upper bound of the distance from the design as given [L]: from the surface fitted to a mesh, plus how far that is from it."""
-        return self.distance.largest + self.design.deviation
+        """Upper bound of the weighted distance from the design as given [L].
+
+        It is the distance from the surface fitted to a mesh, plus how far that is from the vertices of the mesh.
+        """
+        own = np.abs(self.distance.signed) + self.design.deviation
+        return float((own if self.weights is None else self.weights * own).max(initial=0.0))
+
+    @property
+    def weighted(self) -> bool:
+        """Whether distances count more at some places than at others."""
+        return self.weights is not None and bool((self.weights != 1.0).any())
+
+    @property
+    def costs_of_parts(self) -> tuple[float, float]:
+        """Costs of the moulds and of the panels, 0 where none were given."""
+        return (0.0, 0.0) if self.costs is None else self.costs.parts(self.curvatures, self.panels_per_class)
 
     @property
     def kept(self) -> bool:
@@ -121,6 +142,9 @@ class Rationalised:
             f"folds at seams beyond those of the design: {beyond['largest']:.2g} degrees (largest), {beyond['median']:.2g} (median)",
             f"surface: {self.result.status}, {self.result.verdict}",
         ]
+        if self.costs is not None:
+            of_moulds, of_panels = self.costs_of_parts
+            lines.insert(1, f"costs: {of_moulds + of_panels:,.10g}, moulds {of_moulds:,.10g} and panels {of_panels:,.10g}")
         return "\n".join(lines + ([self.suggestion] if self.suggestion else []))
 
     def __repr__(self) -> str:
@@ -140,7 +164,9 @@ class Rationalised:
             "panels_per_class": self.panels_per_class.tolist(),
             "classes": self.classes.tolist(),
             "distance": {"max": self.distance.largest, "rms": self.distance.rms},
+            "weighted_distance": self.farthest if self.weighted else None,
             "within": self.within,
+            "costs": None if self.costs is None else {"moulds": self.costs_of_parts[0], "panels": self.costs_of_parts[1]},
             "fit_deviation": self.design.deviation,
             "kinks": {
                 "largest": float(folds.angles.max(initial=0.0)),

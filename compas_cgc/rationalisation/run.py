@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from collections.abc import Mapping
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import replace
 from typing import Optional
 from typing import Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..datastructures import SolveResult
@@ -28,17 +28,25 @@ from ..model.result import Solution
 from ..solvers.projection import ProjectionSettings
 from ..solvers.run import solve
 from .assignment import DONE
-from .assignment import Moulds
 from .assignment import Placed
-from .assignment import assign
 from .assignment import catalogue
-from .assignment import finished
+from .costs import Allowance
+from .costs import Costs
+from .costs import costs_of
 from .design import Design
 from .design import DesignInput
 from .design import read_design
+from .importance import importance_at
+from .mould_choice import MAX_MOULDS
+from .mould_choice import MouldsInput
+from .mould_choice import Wanted
+from .mould_choice import best_moulds
 from .normal_moves import NormalMoves
 from .panelling import Panelling
 from .panelling import vertex_panels
+from .progress import Progress
+from .progress import Stop
+from .progress import Watch
 from .result import Rationalised
 from .seams import LEVELS
 from .seams import SeamsInput
@@ -51,20 +59,6 @@ MAX_PANELS_ALONG = 1000  # along the size of a design
 MAX_WITHIN_RATIO = 0.1  # distance that is to be kept, relative to the size
 MAX_RADIUS_RATIO = 100.0  # of radii of moulds and the size; a sphere of this radius deviates from a plane by 1/800 of the size
 FIT_PART = 0.1  # of the distance that is to be kept, within which a surface is fitted to a mesh by default
-MAX_MOULDS = 16  # that are tried for a distance that is to be kept
-
-MouldsInput = Union[int, Sequence[float], None]
-
-
-class Progress(NamedTuple):
-    """How far a rationalisation is."""
-
-    done: int  # rounds
-    rounds: int  # at most
-    distance: float  # largest distance of the best surface so far [L]
-
-
-Watch = Optional[Callable[[Progress], object]]
 
 
 @names_what_was_meant()
@@ -80,6 +74,8 @@ def rationalise(
     edges: Optional[int] = None,
     tolerance: Optional[float] = None,
     locked: Optional[Mapping[int, int]] = None,
+    costs: Optional[Mapping[str, Sequence[float]]] = None,
+    weights: ArrayLike = (),
     callback: Watch = None,
 ) -> Rationalised:
     """Return the surface nearest to a freeform design whose panels come off few moulds.
@@ -115,6 +111,13 @@ def rationalise(
         ``within``.
     locked
         Mould, as a position among given radii, of panels that are not to be assigned, by the number of the panel.
+    costs
+        Pairs, the cost of making a mould and that of a panel that comes off it, for ``"flat"``, ``"sphere"`` and ``"saddle"`` moulds, in
+        any currency. With ``within``, the cheapest surface that keeps this distance, with at most ``moulds`` moulds. Otherwise
+        they are added up and decide nothing. Existing moulds are not paid for.
+    weights
+        Rows (k, 5) of x, y, z, radius, factor: within this radius of the point [L], distances and folds count so many times, against
+        ``within`` too. Where places overlap the last one counts.
     callback
         Called with a :class:`Progress` after every round; return True or raise ``StopIteration`` to stop with the best surface so
         far.
@@ -155,8 +158,10 @@ def rationalise(
         raise CGCError("panels between level lines are found anew in every run and cannot be locked; give the seams as curves")
     numbers = LEVELS if by_levels else LEVELS[:1]
     found, failed = list[Rationalised](), list[MeshError]()
-    stop = _Stop(callback, len(numbers))
-    left = None if within is None else within - read.deviation
+    stop = Stop(callback, len(numbers))
+    prices = None if costs is None else costs_of(costs)
+    if prices is not None and not (moulds is None or isinstance(moulds, (int, np.integer))):
+        prices = prices._replace(mould=np.zeros_like(prices.mould))
     for past, levels in enumerate(numbers):
         stop.past = past
         try:
@@ -166,10 +171,16 @@ def rationalise(
             continue
         fixed = _fixed(read, panelling, supports)
         # Locked panels may be on other moulds than their images.
-        moves = NormalMoves(panelling, fixed, groups=None if locked else symmetric_panels(panelling, fixed))
-        best = _assigned(moves, moulds, flat, left, locked, stop)
-        tried = MAX_MOULDS if moulds is None else len(best.assigned.values)
-        found.append(_result(read, panelling, moves, fixed, best, within, stop, min(tried, moves.panels)))
+        groups = None if locked else symmetric_panels(panelling, fixed)
+        moves = NormalMoves(panelling, fixed, groups=groups, importance=importance_at(panelling.vertices, weights))
+        allowance = None if within is None else _allowance(moves, within, read.deviation, prices)
+        best = best_moulds(moves, Wanted(moulds, flat, locked, allowance), stop)
+        curvatures, classes = np.unique(best.assigned.K[moves.groups], return_inverse=True)
+        solved = _solved(read, panelling, moves, fixed, best)
+        own = Rationalised(solved, curvatures, classes, panelling, read, within, stop.stopped, "", prices, moves.importance)
+        if within is not None and not own.kept and not stop.stopped:
+            own = replace(own, suggestion=_suggestion(own, within, min(_most(moulds), moves.panels)))
+        found.append(own)
         if stop.stopped:
             break
     if not found:
@@ -177,10 +188,12 @@ def rationalise(
     return min(found, key=lambda own: _rank(own, moulds is None))
 
 
-def _rank(found: Rationalised, fewest: bool) -> tuple[bool, bool, int, float]:
-    """Return what the best of several divisions has least of: fair surfaces first, then the nearest, or those with the fewest moulds."""
+def _rank(found: Rationalised, fewest: bool) -> tuple[bool, bool, float, int, float]:
+    """Return what the best of several divisions has least of: fair surfaces first, then the nearest, the cheapest, or the fewest moulds."""
     fair = found.result.converged and found.result.verdict.fair
-    return not fair, fewest and not found.kept, len(found.curvatures) if fewest else 0, found.distance.largest
+    cheapest = found.within is not None and found.costs is not None
+    cost = sum(found.costs_of_parts) if cheapest else 0.0
+    return not fair, (fewest or cheapest) and not found.kept, cost, len(found.curvatures) if fewest else 0, found.farthest
 
 
 def _check_scale(design: Design, panel: Optional[float], within: Optional[float], moulds: MouldsInput) -> None:
@@ -243,59 +256,10 @@ def _three_apart(panelling: Panelling) -> Mask:
     return fixed
 
 
-def _assigned(
-    moves: NormalMoves,
-    moulds: MouldsInput,
-    flat: Optional[bool],
-    within: Optional[float],
-    locked: Optional[Mapping[int, int]],
-    stop: _Stop,
-) -> Placed:
-    """Return the best assignment, for the fewest moulds that keep a distance where their number is open."""
-    if moulds is None:
-        if within is None:
-            raise CGCError(
-                "moulds=None needs within=, the largest distance from the design [L]; the fewest moulds that satisfy it are used"
-            )
-        best = None
-        for count in range(1, min(MAX_MOULDS, moves.panels) + 1):
-            found = finished(moves, assign(moves, Moulds(count, flat=flat), stop.shown))
-            best = found if best is None or found.distance < best.distance else best
-            if best.distance <= within or stop.stopped:
-                return best
-        assert best is not None
-        return best
-    if isinstance(moulds, (int, np.integer)) and not isinstance(moulds, bool):
-        if not 1 <= moulds:
-            raise CGCError(f"moulds must be a number from 1 up, or radii, not {moulds!r}")
-        if locked:
-            raise CGCError("locked panels need existing moulds; give the radii of the moulds as moulds=[...]")
-        return assign(moves, Moulds(min(int(moulds), moves.panels), flat=flat), stop.shown)
-    values = catalogue(moulds)  # type: ignore[arg-type]
-    own = None
-    if locked:
-        own = np.full(moves.panels, -1)
-        for number, mould in locked.items():
-            if not (0 <= number < moves.panels and 0 <= mould < len(values)):
-                raise CGCError(
-                    f"panel {number} cannot be locked to mould {mould}: "
-                    f"there are {counted(moves.panels, 'panel')} and {counted(len(values), 'mould')}, counted from 0"
-                )
-            own[number] = mould
-    return assign(moves, Moulds(len(values), values, locked=own), stop.shown)
-
-
-def _result(
-    design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, best: Placed, within: Optional[float], stop: _Stop, tried: int
-) -> Rationalised:
-    """Return an assignment with its surface solved in the exact measure."""
-    done = finished(moves, best)
-    curvatures, classes = np.unique(done.assigned.K[moves.groups], return_inverse=True)
-    solved = _solved(design, panelling, moves, fixed, done)
-    found = Rationalised(solved, curvatures, classes, panelling, design, within, stop.stopped)
-    if within is not None and not found.kept and not stop.stopped:
-        found = Rationalised(solved, curvatures, classes, panelling, design, within, False, _suggestion(found, within, tried))
-    return found
+def _allowance(moves: NormalMoves, within: float, deviation: float, costs: Optional[Costs]) -> Allowance:
+    """Return the distances that are allowed; what the surface fitted to a mesh deviates counts as much as what is added to it."""
+    limits = within - deviation * moves.importance[moves.columns]
+    return Allowance(limits, np.bincount(moves.groups, minlength=moves.panels), costs)
 
 
 def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, done: Placed) -> SolveResult:
@@ -315,32 +279,24 @@ def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mas
     return SolveResult.from_solution(problem, solution, settings)
 
 
+def _most(moulds: MouldsInput) -> int:
+    """Return how many moulds are tried at most."""
+    if moulds is None:
+        return MAX_MOULDS
+    return int(moulds) if isinstance(moulds, (int, np.integer)) else len(moulds)
+
+
 def _suggestion(found: Rationalised, within: float, tried: int) -> str:
     """Return what to change so that a distance is kept: distances go about as the width of panels squared, and as one over moulds."""
     fitted = found.design.deviation
     of_fit = f", {fitted:.2g} of it by the surface fitted to the mesh," if fitted > 0.0 else ""
     if fitted >= within:
         return f"the surface fitted to the mesh is up to {fitted:.2g} from it, more than {within:.3g}; try tolerance={within / 10.0:.2g}"
-    ratio = found.distance.largest / (within - fitted)
+    weighted = "weighted " if found.weighted else ""
+    ratio = (found.farthest - fitted) / (within - fitted)
     moulds = max(int(np.ceil(len(found.curvatures) * ratio)), tried + 1)
     return (
-        f"the distance of up to {found.farthest:.3g}{of_fit} exceeds {within:.3g}, the best found for up to {counted(tried, 'mould')}; "
+        f"the {weighted}distance of up to {found.farthest:.3g}{of_fit} exceeds {within:.3g}, "
+        f"the best found for up to {counted(tried, 'mould')}; "
         f"try {moulds} moulds, or panels narrower by a factor of {np.ceil(20.0 * np.sqrt(ratio)) / 20.0:.3g}"
     )
-
-
-class _Stop:
-    """Shows progress to a callback, and remembers whether it cancelled."""
-
-    def __init__(self, callback: Watch, searches: int):
-        self._callback, self._searches = callback, searches
-        self.past, self.stopped = 0, False  # searches that are done
-
-    def shown(self, done: int, rounds: int, distance: float) -> bool:
-        """Show how far the search is; return whether to stop."""
-        if self._callback is not None and not self.stopped:
-            try:
-                self.stopped = self._callback(Progress(self.past * rounds + done, self._searches * rounds, distance)) is True
-            except StopIteration:
-                self.stopped = True
-        return self.stopped

@@ -23,6 +23,7 @@ from ...model.counts import counted
 from ...model.problem import CGCProblem
 from ...rationalisation import Rationalised
 from ...rationalisation import rationalise as rationalise_design
+from ...rationalisation.costs import costs_in_order
 from ...rationalisation.run import Progress as Round
 from ..runtime.component_feedback import add_error
 from ..runtime.component_feedback import as_list
@@ -136,6 +137,8 @@ def rationalise(
     seams: Any,
     limit: Optional[float],
     supports: Any,
+    costs: Any,
+    weights: Any,
     run: Optional[bool],
     wait: Optional[bool],
 ) -> RationaliseOutputs:
@@ -147,6 +150,7 @@ def rationalise(
     numbers = [float(value) for value in as_list(moulds)]
     lines = [curve_to_points(curve, tolerance) for curve in as_list(seams)]
     points = points_to_array(as_list(supports))
+    prices, places = ([float(value) for value in as_list(given)] for given in (costs, weights))
     given = file_path(component, design) if isinstance(design, str) else design
 
     def work(report: Report, last: Last) -> Finished:
@@ -164,12 +168,14 @@ def rationalise(
             seams=[line.tolist() for line in lines] or None,
             within=limit or None,
             supports=points.tolist() if len(points) else None,
+            costs=costs_in_order(prices),
+            weights=places,
             callback=watch,
         )
         found = _Found.of(done)
         return _finished(found, found.to_text())
 
-    inputs = (given, panel, numbers, [line.tolist() for line in lines], limit, points.tolist())
+    inputs = (given, panel, numbers, [line.tolist() for line in lines], limit, points.tolist(), prices, places)
     shown = _RUNNER.outputs(component, inputs, work, run=bool(run), wait=bool(wait), brief=False)
     if not run and shown.outputs.mesh is None and is_headless(component):
         add_error(component, "run is False, so that there is no surface; set run to True")

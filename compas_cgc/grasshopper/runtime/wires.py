@@ -27,6 +27,7 @@ LISTS = frozenset(
         "K",
         "clear",
         "clearance",
+        "costs",
         "creases",
         "curves",
         "goals",
@@ -40,6 +41,7 @@ LISTS = frozenset(
         "seams",
         "supports",
         "surfaces",
+        "weights",
     )
     + ("through", "unknown")
 )

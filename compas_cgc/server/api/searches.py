@@ -29,7 +29,9 @@ __all__ = ["SEARCHES", "Found", "Search"]
 
 SEAMS = ("grid", "curvature", "geodesics", "levels", "faces")
 SUPPORTS = ("corners", "boundary", "none")
+KINDS = ("flat", "sphere", "saddle")
 _LENGTH = {"type": "number", "exclusiveMinimum": 0, "maximum": values.LARGEST}
+_PAIR = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number", "minimum": 0}}
 _CURVE = {"type": "array", "minItems": 2, "items": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}}
 
 
@@ -90,6 +92,26 @@ def _locked(value: object, name: str) -> dict[int, int]:
     if not isinstance(value, Mapping):
         raise CGCError(f"{name} must be an object of panels and their moulds, such as {{'12': 0}}, not {value!r:.60}")
     return {values.whole(panel, f"every panel of {name}"): values.whole(mould, f"every mould of {name}") for panel, mould in value.items()}
+
+
+def _costs(value: object, name: str) -> dict[str, list[float]]:
+    """Return pairs of costs, of a mould and of a panel, by kinds of moulds."""
+    if not isinstance(value, Mapping):
+        raise CGCError(f"{name} must be an object of kinds of moulds, such as {{'sphere': [8000, 450]}}, not {value!r:.60}")
+    return {str(kind): _row(own, f"the costs of {kind}") for kind, own in value.items()}
+
+
+def _weights(value: object, name: str) -> list[list[float]]:
+    """Return rows of places, radii and factors."""
+    if not isinstance(value, (list, tuple)):
+        raise CGCError(f"{name} must be a list of rows x, y, z, radius, factor, not {value!r:.60}")
+    return [_row(own, f"every row of {name}") for own in value]
+
+
+def _row(value: object, name: str) -> list[float]:
+    if not isinstance(value, (list, tuple)):
+        raise CGCError(f"{name} must be a list of numbers, not {value!r:.60}")
+    return [values.number(own, name) for own in value]
 
 
 def _limits(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
@@ -178,6 +200,18 @@ SEARCHES: dict[str, Search] = {
                     "largest distance of the smooth surface fitted to a mesh (default: that of the file, or a ten-thousandth of the size)",
                     values.number,
                     _LENGTH,
+                ),
+                BuildOption(
+                    "costs",
+                    "costs of a mould and of a panel off it, by kinds; with within, the cheapest surface that keeps this distance is found",
+                    _costs,
+                    {"type": "object", "required": list(KINDS), "additionalProperties": False, "properties": dict.fromkeys(KINDS, _PAIR)},
+                ),
+                BuildOption(
+                    "weights",
+                    "places where distances count more or less, as rows x, y, z, radius, factor",
+                    _weights,
+                    {"type": "array", "items": {"type": "array", "minItems": 5, "maxItems": 5, "items": {"type": "number"}}},
                 ),
                 BuildOption(
                     "flat", "whether one mould is flat (default: whichever is nearer to the design)", values.truth, {"type": "boolean"}

@@ -26,6 +26,7 @@ def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float)
     """Return the reply of the component."""
     # Workers that never rationalise do without its imports.
     from ...rationalisation import rationalise
+    from ...rationalisation.costs import costs_in_order
 
     locked, own_moulds = inputs["Locked"], inputs["LockedMoulds"]
     if len(locked) != len(own_moulds):
@@ -42,6 +43,8 @@ def run_rationalise(inputs: dict, context: dict, limits: Limits, started: float)
         within=inputs["Within"] or None,
         panel=inputs["Panel"] or None,
         locked=dict(zip(locked, own_moulds)),
+        costs=costs_in_order(inputs["Costs"]),
+        weights=inputs["Weights"],
         supports=own.vertices[own.supports].tolist() if len(own.supports) else None,
     )
     done = time.perf_counter()

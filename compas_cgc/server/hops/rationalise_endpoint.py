@@ -53,6 +53,23 @@ def rationalise_endpoint(info: Output) -> Endpoint:
                 most=MAX_ITEMS,
                 optional=True,
             ),
+            Input(
+                "Costs",
+                "Co",
+                "Number",
+                "Six costs, of a mould and of a panel: flat, sphere, saddle. With Within, the cheapest surface.",
+                many=True,
+                optional=True,
+            ),
+            Input(
+                "Weights",
+                "We",
+                "Number",
+                "Places where distances count more: five numbers each, x, y, z, radius and factor.",
+                many=True,
+                most=MAX_ITEMS,
+                optional=True,
+            ),
         ),
         (
             Output("Mesh", "M", "Mesh", "Surface, coloured by its signed distance from the design."),

@@ -21,8 +21,10 @@ class Rationalise(Grasshopper.Kernel.GH_ScriptInstance):
         seams: System.Collections.Generic.List[Rhino.Geometry.Curve],
         limit: float,
         supports: System.Collections.Generic.List[Rhino.Geometry.Point3d],
+        costs: System.Collections.Generic.List[float],
+        weights: System.Collections.Generic.List[float],
         run: bool,
         wait: bool,
     ):
-        out = rationalise(ghenv.Component, design, panel, moulds, seams, limit, supports, run, wait)  # noqa: F821
+        out = rationalise(ghenv.Component, design, panel, moulds, seams, limit, supports, costs, weights, run, wait)  # noqa: F821
         return out.mesh, out.cgc_mesh, out.panels, out.classes, out.curvatures, out.seam_lines, out.distance, out.kinks, out.report

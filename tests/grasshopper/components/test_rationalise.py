@@ -50,10 +50,19 @@ def test_a_mesh_becomes_panels_on_two_moulds(monkeypatch):
     assert [panel.Faces for panel in back["panels"]] == [panel.Faces for panel in out["panels"]]
 
 
+def test_costs_decide_between_surfaces_within_a_limit():
+    placed = place("Rationalise")
+    given = {"design": rhino_mesh(*design()), "panel": 2.0, "limit": 0.5, "run": True, "weights": [0.0, 0.0, 2.0, 1.0, 2.0]}
+    out = placed.settle(**given, costs=[0.0, 100.0, 5000.0, 400.0, 9000.0, 700.0])
+    assert not placed.said("Error") and out["curvatures"] == [0.0] and "costs: 2,400" in out["report"]
+
+
 @pytest.mark.parametrize(
     "inputs, sentence",
     [
         ({"moulds": [2.5]}, "moulds must be a whole number, or the radii of two or more moulds, not 2.5"),
+        ({"costs": [1.0, 2.0]}, "costs are six numbers"),
+        ({"weights": [1.0, 2.0, 0.0, 1.0, -1.0]}, "weights must be rows"),
         ({"panel": -1.0}, "panel must be a length above zero"),
         ({"design": Point3d(0.0, 0.0, 0.0)}, "the input design received a Point3d; connect a mesh"),
         ({"design": "nowhere.3dm"}, "nowhere.3dm"),

@@ -120,6 +120,15 @@ def test_a_design_becomes_a_roof_of_few_moulds(open_server, tmp_path, roof, brow
         wait_for(lambda: "on 1 mould" in hands.text(HEAD) and "500 mm" in figure(hands, 2), what="the distance is not kept")
         bars = "return [...document.querySelectorAll('#rationalise-stops i:not([hidden])')].map((bar) => bar.nextSibling.textContent)"
         assert hands.read(bars) == ["1", "2", "4"]
+        # The cheapest within it.
+        hands.click("#rationalise-limit summary")
+        given_costs = {"cost-saddle-mould": "9000", "cost-sphere-mould": "5000", "cost-flat-panel": "100"}
+        for name, cost in given_costs.items():
+            hands.fill(f"[name={name}]", cost)
+        rows = "[...document.querySelectorAll('#rationalise-figures dt')]"
+        costs = f"return {rows}.find((own) => own.textContent === 'Costs')?.nextSibling.textContent"
+        wait_for(lambda: hands.read(costs) == "1,500", what=f"no costs: {hands.text('#rationalise-trouble')}")
+        look("2-costs")
         for format, ending in (("3dm", "panels.3dm"), ("json", "moulds.json")):
             hands.click(f"#rationalise-files [data-format='{format}']")
             wait_for(lambda ending=ending: [own for own in tmp_path.glob(f"hall {ending}") if own.stat().st_size], what=f"no {ending}")

@@ -17,6 +17,8 @@ const LARGEST = 64 * 2 ** 20; // bytes
 const RELOAD = 60; // time after which a page that was left is not a reload [s]
 const CACHED = 600; // time for which browsers cache a page that was left, to go back to it [s]
 
+const KINDS = ['flat', 'sphere', 'saddle']; // of moulds
+
 /** @typedef {import('./jobs.js').Told} Told */
 
 /** One design at a time, with the results for several numbers of moulds. */
@@ -118,6 +120,7 @@ export class Rationaliser {
     for (const each of this.form.querySelectorAll('.unit.length')) each.textContent = surface.unit ? `in ${surface.unit}` : '';
     showNumber(this.fields.panel, Number((Math.max(...spans) / PANELS).toPrecision(2)));
     showNumber(this.fields.within);
+    this.costs = undefined;
     this.$('choices').disabled = false;
     this.dialog.classList.remove('bare');
     this.status.run(false);
@@ -161,16 +164,32 @@ export class Rationaliser {
   get settings() {
     const { panel, within, moulds, aim, seams, supports, tolerance, flat } = this.fields;
     const given = { panel: numberOf(panel), tolerance: numberOf(tolerance), seams: seams.value, supports: supports.value, flat: { yes: true, no: false }[flat.value] };
-    const aims = aim.value === 'count' ? { moulds: Number(moulds.value) } : { within: numberOf(within) };
+    const aims = aim.value === 'count' ? { moulds: Number(moulds.value) } : { within: numberOf(within), costs: this.costs };
     // Numbers of empty fields are NaN.
     return Object.fromEntries(Object.entries({ ...given, ...aims }).filter(([, value]) => value || value === false || value === 0));
   }
 
-  set settings({ panel, tolerance, within, moulds, seams = '', supports = '', flat }) {
+  /** Costs of a mould and of a panel by kind, undefined if no field is filled. */
+  get costs() {
+    const pairs = KINDS.map((kind) => [kind, this.costFields(kind).map(numberOf)]);
+    if (pairs.every(([, pair]) => pair.every(Number.isNaN))) return undefined;
+    return Object.fromEntries(pairs.map(([kind, pair]) => [kind, pair.map((cost) => cost || 0)]));
+  }
+
+  set costs(costs) {
+    for (const kind of KINDS) this.costFields(kind).forEach((field, k) => showNumber(field, costs?.[kind][k]));
+  }
+
+  costFields(kind) {
+    return ['mould', 'panel'].map((part) => this.fields[`cost-${kind}-${part}`]);
+  }
+
+  set settings({ panel, tolerance, within, moulds, costs, seams = '', supports = '', flat }) {
     const { fields } = this;
     showNumber(fields.panel, panel);
     showNumber(fields.tolerance, tolerance);
     showNumber(fields.within, within);
+    this.costs = costs;
     fields.moulds.value = moulds ?? fields.moulds.value;
     fields.aim.value = moulds === undefined ? 'within' : 'count';
     fields.seams.value = seams;

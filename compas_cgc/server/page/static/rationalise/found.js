@@ -67,7 +67,7 @@ export function limitOf(told) {
  * @returns {{kind: string, head: string, text: string, rows: string[][]}}
  */
 export function figuresOf(told, unit) {
-  const { distance, kinks, status, verdict, within } = told;
+  const { costs, distance, kinks, status, verdict, within } = told;
   const length = lengthScale(unit, distance.max);
   const angle = (value) => `${readable(Math.max(0, value), 2)}°`;
   const head = `${counted(told.panels, 'panel')} on ${counted(told.moulds, 'mould')}`;
@@ -83,6 +83,7 @@ export function figuresOf(told, unit) {
     ['Distance, rms', length.text(distance.rms)],
     ...(within ? [['Allowed distance', length.text(within)]] : []),
     ...(told.fit_deviation ? [['Mesh to its smooth surface', length.text(told.fit_deviation)]] : []),
+    ...(costs ? [['Costs', (costs.moulds + costs.panels).toLocaleString('en')]] : []),
     ['Largest added kink', angle(kinks.beyond.largest)],
   ];
   const text = said[status] ?? `The surface did not converge (${status.replaceAll('_', ' ')}). Try another width of panels.`;

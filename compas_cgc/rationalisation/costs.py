@@ -1,0 +1,106 @@
+"""Costs of moulds and panels by the kind of mould."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..errors import CGCError
+
+__all__ = ["KINDS", "Allowance", "Costs", "costs_in_order", "costs_of"]
+
+KINDS = ("flat", "sphere", "saddle")  # K = 0, positive and negative
+
+
+class Costs(NamedTuple):
+    """Costs by kind of mould, in any currency."""
+
+    mould: FloatArray  # (3,) of making a mould
+    panel: FloatArray  # (3,) of a panel that comes off one
+
+    def parts(self, K: FloatArray, counts: IntArray) -> tuple[float, float]:
+        """Return the costs of moulds with K (k,), and of counts (k,) of panels on them; moulds without panels are not made."""
+        kinds = _kinds(K)
+        return float(self.mould[kinds] @ (counts > 0)), float(self.panel[kinds] @ counts)
+
+    def least(self, moulds: int, panels: int, flat: Optional[bool] = None) -> float:
+        """Return a lower bound of the costs of so many moulds and panels, with one flat mould, with none, or (None) with either."""
+        bent = float(self.mould[1:].min())
+        with_flat = float(self.mould[0]) + (moulds - 1) * bent + panels * float(self.panel.min())
+        without = moulds * bent + panels * float(self.panel[1:].min())
+        return min(with_flat, without) if flat is None else with_flat if flat else without
+
+
+class Allowance(NamedTuple):
+    """A distance from the design that is allowed, and the costs that decide between surfaces within it."""
+
+    limits: FloatArray  # (c,) largest values of the first criteria, the weighted distances [L]
+    sizes: IntArray  # (p,) number of panels that change their mould together
+    costs: Optional[Costs] = None
+
+    def keeps(self, criteria: FloatArray) -> Mask:
+        """Mark criteria (d,) or (r, d) with which a surface stays within the distance."""
+        return np.asarray((np.abs(criteria[..., : len(self.limits)]) <= self.limits).all(axis=-1))
+
+    def total(self, K: FloatArray, classes: IntArray) -> float:
+        """Return the costs of moulds with K (k,) for the moulds (p,) of the panels."""
+        if self.costs is None:
+            return 0.0
+        return sum(self.costs.parts(K, np.bincount(classes, self.sizes, len(K)).astype(np.int64)))
+
+    def least(self, moulds: int, flat: Optional[bool]) -> float:
+        """Return a lower bound of the costs with so many moulds, one of them flat or not."""
+        return 0.0 if self.costs is None else self.costs.least(moulds, int(self.sizes.sum()), flat)
+
+    def savings(self, K: FloatArray, classes: IntArray) -> FloatArray:
+        """Return what every panel saves on each of the moulds with K (k,), against the mould (p,) it is on (p, k)."""
+        if self.costs is None:
+            return np.zeros((len(classes), len(K)))
+        own = self.costs.panel[_kinds(K)]
+        return self.sizes[:, None] * (own[classes][:, None] - own)
+
+
+def costs_of(given: Mapping[str, Sequence[float]]) -> Costs:
+    """Return costs from pairs, of a mould and of a panel, by the names of kinds.
+
+    Raises
+    ------
+    CGCError
+        If a kind is unknown or missing, or a cost is no number from 0 up.
+    """
+    if set(given) != set(KINDS):
+        raise CGCError(f"costs must be given for {', '.join(KINDS)}, a pair of numbers for each, not for {', '.join(map(str, given))}")
+    values = []
+    for kind in KINDS:
+        own = np.asarray(given[kind], dtype=np.float64)
+        if own.shape != (2,) or not (np.isfinite(own).all() and (own >= 0.0).all()):
+            raise CGCError(f"costs of {kind} must be two numbers from 0 up, of a mould and of a panel, not {given[kind]!r}")
+        values.append(own)
+    return Costs(*np.array(values).T)
+
+
+def costs_in_order(numbers: Sequence[float]) -> Optional[dict[str, Sequence[float]]]:
+    """Return costs by kind from six numbers, pairs for flat, sphere and saddle moulds; None if there are no numbers.
+
+    Raises
+    ------
+    CGCError
+        If there are not six.
+    """
+    if not len(numbers):
+        return None
+    if len(numbers) != 2 * len(KINDS):
+        raise CGCError(f"costs are six numbers, of a mould and of a panel for flat, sphere and saddle moulds, not {len(numbers)}")
+    return {kind: numbers[2 * k : 2 * k + 2] for k, kind in enumerate(KINDS)}
+
+
+def _kinds(K: FloatArray) -> IntArray:
+    """Return the kinds of moulds with K (k,), as positions in KINDS."""
+    return np.sign(K).astype(np.int64) % len(KINDS)

@@ -1,0 +1,96 @@
+"""Choice of the moulds: their number, and with costs their kinds too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ..errors import CGCError
+from ..model.counts import counted
+from .assignment import Moulds
+from .assignment import Placed
+from .assignment import assign
+from .assignment import catalogue
+from .assignment import cheapened
+from .assignment import finished
+from .assignment import rank
+from .costs import Allowance
+from .normal_moves import NormalMoves
+from .progress import Stop
+
+__all__ = ["MAX_MOULDS", "MouldsInput", "Wanted", "best_moulds"]
+
+MAX_MOULDS = 16  # that are tried for a distance that is to be kept
+
+MouldsInput = Union[int, Sequence[float], None]
+
+
+class Wanted(NamedTuple):
+    """What is given of the moulds."""
+
+    moulds: MouldsInput
+    flat: Optional[bool] = None  # whether one mould is flat
+    locked: Optional[Mapping[int, int]] = None  # moulds of panels that are not to be assigned
+    allowance: Optional[Allowance] = None  # distance that is to be kept, and costs
+
+
+def best_moulds(moves: NormalMoves, wanted: Wanted, stop: Stop) -> Placed:
+    """Return the best assignment: the nearest one, or of those within a distance the cheapest, or one with the fewest moulds."""
+    allowance, best = wanted.allowance, None
+    for own in _tried(moves, wanted):
+        if best is not None and (stop.stopped or not _may_be_better(moves, allowance, best, own)):
+            continue
+        found = assign(moves, own, stop.shown)
+        if allowance is not None and allowance.costs is not None:
+            found = cheapened(moves, found, allowance, stop.shown)
+        found = finished(moves, found)
+        best = found if best is None or rank(moves, allowance, found) < rank(moves, allowance, best) else best
+    assert best is not None
+    return best
+
+
+def _tried(moves: NormalMoves, wanted: Wanted) -> Iterator[Moulds]:
+    """Yield the moulds to try: given ones, or numbers and kinds in rising order."""
+    moulds, allowance = wanted.moulds, wanted.allowance
+    if moulds is not None and not isinstance(moulds, (int, np.integer)):
+        yield _existing(moves, moulds, wanted.locked)
+        return
+    if wanted.locked:
+        raise CGCError("locked panels need existing moulds; give the radii of the moulds as moulds=[...]")
+    if moulds is None and allowance is None:
+        raise CGCError("moulds=None needs within=, the largest distance from the design [L]; the fewest moulds that satisfy it are used")
+    if isinstance(moulds, bool) or (moulds is not None and moulds < 1):
+        raise CGCError(f"moulds must be a number from 1 up, or radii, not {moulds!r}")
+    most = min(MAX_MOULDS if moulds is None else int(moulds), moves.panels)
+    cheapest = allowance is not None and allowance.costs is not None
+    for count in range(1 if moulds is None or cheapest else most, most + 1):
+        for flat in (True, False) if cheapest and wanted.flat is None else (wanted.flat,):
+            yield Moulds(count, flat=flat)
+
+
+def _existing(moves: NormalMoves, radii: Sequence[float], locked: Optional[Mapping[int, int]]) -> Moulds:
+    """Return moulds of given radii, with the panels that are locked."""
+    values = catalogue(radii)
+    if not locked:
+        return Moulds(len(values), values)
+    own = np.full(moves.panels, -1)
+    for number, mould in locked.items():
+        if not (0 <= number < moves.panels and 0 <= mould < len(values)):
+            raise CGCError(
+                f"panel {number} cannot be locked to mould {mould}: "
+                f"there are {counted(moves.panels, 'panel')} and {counted(len(values), 'mould')}, counted from 0"
+            )
+        own[number] = mould
+    return Moulds(len(values), values, locked=own)
+
+
+def _may_be_better(moves: NormalMoves, allowance: Optional[Allowance], best: Placed, own: Moulds) -> bool:
+    """Whether moulds that have not been tried may lead nearer to a design, or cost less where the distance is kept."""
+    exceeded, cost, _ = rank(moves, allowance, best)
+    return exceeded or (allowance is not None and allowance.least(own.number, own.flat) < cost)

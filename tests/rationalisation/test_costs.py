@@ -1,0 +1,131 @@
+"""Costs of moulds and panels, and places that count more, on designs whose answers are known in advance."""
+
+from __future__ import annotations
+
+import itertools
+from functools import cache
+
+import numpy as np
+import pytest
+
+import compas_cgc
+from compas_cgc.errors import CGCError
+from compas_cgc.rationalisation import read_design
+from compas_cgc.rationalisation import sweep
+
+from ..support.freeform import bumpy
+from ..support.freeform import mesh_over
+
+COSTS = {"flat": (0.0, 100.0), "sphere": (5000.0, 400.0), "saddle": (9000.0, 700.0)}
+RADIUS = 20.0
+
+
+@cache
+def vault() -> compas_cgc.rationalisation.design.Design:
+    """A barrel of 12 m with a part of a sphere at either end: 30 panels of K = 0 and 30 of 1/400 on a grid of 2 x 2 m."""
+
+    def heights(x, y):
+        beyond = np.maximum(np.abs(x - 12.0) - 6.0, 0.0)
+        return np.sqrt(RADIUS**2 - beyond**2 - (y - 5.0) ** 2) - 15.0
+
+    return read_design(mesh_over(heights, 24.0, 10.0, 0.25), tolerance=2e-4)
+
+
+def rationalised(**options):
+    return compas_cgc.rationalise(vault(), panel=2.0, edges=4, **options)
+
+
+def test_a_vault_costs_thirty_flat_sheets_thirty_spherical_ones_and_one_mould():
+    found = rationalised(moulds=None, within=0.01, costs=COSTS)
+    assert found.status == "kept" and found.costs_of_parts == (5000.0, 30 * 100.0 + 30 * 400.0)
+    assert found.panels_per_class.tolist() == [30, 30] and found.curvatures[0] == 0.0
+    assert 1.0 / np.sqrt(found.curvatures[1]) == pytest.approx(RADIUS, rel=0.01)
+    assert found.to_dict()["costs"] == {"moulds": 5000.0, "panels": 15000.0}
+    assert "costs: 20,000, moulds 5,000 and panels 15,000" in found.summary
+    # The nearest surface has no flat mould, so that it would cost more.
+    assert 0.0 not in rationalised(moulds=2).curvatures
+
+
+def test_where_flat_sheets_stay_within_the_distance_all_are_flat():
+    flat = rationalised(moulds=1)
+    found = rationalised(moulds=None, within=1.01 * flat.farthest, costs=COSTS)
+    assert found.curvatures.tolist() == [0.0] and found.costs_of_parts == (0.0, 60 * 100.0)
+
+
+def test_spherical_panels_that_cost_less_replace_flat_ones():
+    dear = {"flat": (0.0, 1000.0), "sphere": (5000.0, 400.0), "saddle": (9000.0, 700.0)}
+    found = rationalised(moulds=None, within=0.08, costs=dear)
+    assert found.kept and found.panels_per_class[found.curvatures > 0.0].sum() > 30
+    assert sum(found.costs_of_parts) < 5000.0 + 30 * 1000.0 + 30 * 400.0
+
+
+def test_a_larger_distance_never_costs_more():
+    costs = [sum(rationalised(moulds=None, within=within, costs=COSTS).costs_of_parts) for within in (0.01, 0.03, 0.05)]
+    assert costs[0] > costs[1] >= costs[2] > 6000.0
+
+
+def test_no_division_of_six_panels_on_existing_moulds_costs_less():
+    """All 64 assignments are tried."""
+
+    def heights(x, y):
+        return 2.5 - 0.02 * (x - 6.0) ** 2 - 0.03 * (y - 4.0) ** 2 + 0.5 * np.exp(-((x - 8.0) ** 2 + (y - 5.0) ** 2) / 8.0)
+
+    design = read_design(mesh_over(heights, 12.0, 8.0, 0.25))
+    options = {"panel": 4.0, "edges": 4, "within": 0.12, "moulds": [14.0, float("inf")]}
+    found = compas_cgc.rationalise(design, **options, costs=COSTS)
+    assert found.kept and len(found.classes) == 6 and len(found.curvatures) == 2
+    assert found.costs_of_parts == (0.0, 2 * 400.0 + 4 * 100.0), "existing moulds are not paid for"
+    kept = []
+    for classes in itertools.product((0, 1), repeat=6):
+        if compas_cgc.rationalise(design, **options, locked=dict(enumerate(classes))).kept:
+            kept.append(400.0 * classes.count(0) + 100.0 * classes.count(1))
+    assert min(kept) == found.costs_of_parts[1]
+
+
+def test_without_a_distance_costs_are_added_up_and_decide_nothing():
+    plain, priced = rationalised(moulds=3), rationalised(moulds=3, costs=COSTS)
+    assert np.array_equal(plain.result.vertices, priced.result.vertices) and plain.to_dict()["costs"] is None
+    moulds = {0: 0.0, 1: 5000.0, -1: 9000.0}
+    panels = {0: 100.0, 1: 400.0, -1: 700.0}
+    kinds = np.sign(priced.curvatures).astype(int).tolist()
+    assert priced.costs_of_parts == (
+        sum(moulds[kind] for kind in kinds),
+        sum(panels[kind] * count for kind, count in zip(kinds, priced.panels_per_class.tolist())),
+    )
+    rows = sweep(vault(), [1, 2], panel=2.0, edges=4, costs=COSTS).rows()
+    assert rows[0]["costs"] == 6000.0 < rows[1]["costs"]
+
+
+def test_distances_decrease_where_they_count_more():
+    design = read_design(mesh_over(bumpy("soft", 3)), tolerance=2e-3)
+    place = design.surface.at(np.array([[20.0, 12.5]]))[0]
+    options = {"panel": 5.0, "edges": 4, "moulds": 3}
+    even = compas_cgc.rationalise(design, **options)
+    entrance = compas_cgc.rationalise(design, **options, weights=[(*place, 8.0, 5.0)])
+    near = np.linalg.norm(even.panelling.vertices - place, axis=1) <= 8.0
+    largest = [float(np.abs(own.distance.signed[near]).max()) for own in (even, entrance)]
+    assert largest[1] < 0.5 * largest[0] and entrance.distance.largest < 3.0 * even.distance.largest
+    weighted = np.where(near, 5.0, 1.0) * (np.abs(entrance.distance.signed) + design.deviation)
+    assert entrance.farthest == pytest.approx(weighted.max()) and entrance.to_dict()["weighted_distance"] == entrance.farthest
+    # A promise counts the same weights.
+    limit = entrance.farthest * 1.01
+    assert compas_cgc.rationalise(design, **options, weights=[(*place, 8.0, 5.0)], within=limit).kept
+    missed = compas_cgc.rationalise(design, **options, weights=[(*place, 8.0, 500.0)], within=limit)
+    assert missed.status == "exceeded" and "weighted distance" in missed.suggestion
+    assert even.to_dict()["weighted_distance"] is None
+
+
+@pytest.mark.parametrize(
+    "options, sentence",
+    [
+        ({"costs": {"flat": (0, 100)}}, "costs must be given for flat, sphere, saddle"),
+        ({"costs": {**COSTS, "sphere": (1.0,)}}, "costs of sphere must be two numbers"),
+        ({"costs": {**COSTS, "saddle": (-1.0, 2.0)}}, "costs of saddle must be two numbers"),
+        ({"weights": [(0.0, 0.0, 1.0)]}, "weights must be rows"),
+        ({"weights": [(0.0, 0.0, 0.0, 1.0, 0.0)]}, "weights must be rows"),
+        ({"weights": [(100.0, 0.0, 0.0, 1.0, 2.0)]}, "move it to the design"),
+    ],
+)
+def test_wrong_costs_and_weights_are_refused_with_a_remedy(options, sentence):
+    with pytest.raises(CGCError, match=sentence):
+        rationalised(**options)
