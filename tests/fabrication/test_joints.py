@@ -127,7 +127,7 @@ def test_sheets_of_a_curved_roof_are_cut_along_one_grid(roof):
 
 def test_sheets_lie_alike_in_neighbouring_regions_whose_coordinates_run_differently():
     """The halves of a hexagon have their first coordinates along and across the crease between them."""
-    corners = [(6.0 * np.cos(turn), 6.0 * np.sin(turn), 0.0) for turn in np.radians(30.0 + 60.0 * np.arange(6))]
+    corners = [(6.0 * np.cos(turn), 6.0 * np.sin(turn), 0.0) for turn in np.radians(40.0 + 60.0 * np.arange(6))]
     mesh = CGCMesh.from_outline(corners, 0.5, creases=[[corners[0], corners[3]]])
     mesh.set_supports([vertex for vertex in mesh.vertices() if np.hypot(*mesh.vertex_coordinates(vertex)[:2]) > 5.99])
     mesh.set_target(0.012)
