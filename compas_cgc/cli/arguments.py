@@ -23,8 +23,19 @@ from .console import Parts
 if TYPE_CHECKING:
     from ..io.reading import ReadProblem
     from ..model.problem import CGCProblem
+    from ..model.units import GivenLength
 
-__all__ = ["add_input", "add_options", "add_reading", "add_supports", "read_input", "settings_of", "with_laws", "with_targets"]
+__all__ = [
+    "add_input",
+    "add_options",
+    "add_reading",
+    "add_supports",
+    "given_length",
+    "read_input",
+    "settings_of",
+    "with_laws",
+    "with_targets",
+]
 
 # Copied from `meshing.boundary`, which --help must not import.
 SUPPORT_NAMES = ("boundary", "outline", "corners")
@@ -52,16 +63,35 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         default="trace",
         help="move creases to the nearest mesh edges (default), or split the mesh along them",
     )
-    group.add_argument("--edge-length", type=float, metavar="L", help="mesh curves and surfaces with this edge length, in model units")
+    group.add_argument(
+        "--edge-length", type=given_length, metavar="L", help="mesh curves and surfaces with this edge length, such as 0.35 or 350mm"
+    )
     group.add_argument(
         "--weld",
-        type=float,
+        type=given_length,
         metavar="D",
-        help="merge points closer than this, in model units (default: the tolerance of a .3dm, else coincident points)",
+        help="merge points closer than this, such as 0.001 or 1mm (default: the tolerance of a .3dm, else coincident points)",
     )
     group.add_argument("--mesh", metavar="NAME", help="name of the mesh in a COMPAS .json that holds several")
     text = "give parts that meet in a point, or at an edge of more than two faces, vertices of their own"
     group.add_argument("--manifold", action="store_true", help=text)
+
+
+def given_length(text: str) -> GivenLength:
+    """Return a length of the command line, in model units or with its unit.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is not a finite length.
+    """
+    # Loaded when it is used, so that help texts do not wait for numerical packages.
+    from ..model.units import length_of
+
+    try:
+        return length_of(text, "the length")
+    except CGCError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def add_supports(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 from typing import Any
+from typing import Optional
 
 from ..errors import CGCError
+from .arguments import given_length
 
 __all__ = ["add_goals", "goals_of"]
 
@@ -15,11 +17,11 @@ def add_goals(parser: argparse.ArgumentParser) -> None:
     """Add the arguments for goals."""
     group = parser.add_argument_group(
         "goals besides K",
-        "Lengths are in model units. PLACE is a region number, a box X0,Y0,X1,Y1 in plan, or\n"
+        "Lengths are in model units, or have a unit such as 350mm. PLACE is a region number, a box X0,Y0,X1,Y1 in plan, or\n"
         "the name of a closed curve on the layer CGC::Goals of a .3dm file.",
     )
-    group.add_argument("--rise", type=float, metavar="H", help="height of the highest vertex above the supports")
-    group.add_argument("--height", type=float, metavar="Z", help="z coordinate of the highest vertex")
+    group.add_argument("--rise", type=given_length, metavar="H", help="height of the highest vertex above the supports")
+    group.add_argument("--height", type=given_length, metavar="Z", help="z coordinate of the highest vertex")
     group.add_argument("--volume", type=float, metavar="V", help="volume between the surface and the mean level of the supports")
     group.add_argument("--area", type=float, metavar="A", help="area of the surface")
     group.add_argument(
@@ -40,7 +42,7 @@ def add_goals(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--sensitivity", action="store_true", help="report how the surface changes with K")
 
 
-def goals_of(arguments: argparse.Namespace, places: dict[str, Any]) -> list[dict[str, Any]]:
+def goals_of(arguments: argparse.Namespace, places: dict[str, Any], units: Optional[str]) -> list[dict[str, Any]]:
     """Return the goals of the arguments as plain data.
 
     Parameters
@@ -49,29 +51,34 @@ def goals_of(arguments: argparse.Namespace, places: dict[str, Any]) -> list[dict
         Arguments of the command line.
     places
         Closed curves of the drawing by name.
+    units
+        Units of the drawing.
 
     Raises
     ------
     CGCError
         If a goal is invalid.
     """
+    # Loaded when it is used, so that help texts do not wait for numerical packages.
+    from ..model.units import within
+
     goals: list[dict[str, Any]] = []
     if arguments.rise is not None:
-        goals.append({"kind": "rise", "rise": arguments.rise})
+        goals.append({"kind": "rise", "rise": within(arguments.rise, units)})
     if arguments.height is not None:
-        goals.append({"kind": "height", "vertices": "crown", "height": arguments.height})
+        goals.append({"kind": "height", "vertices": "crown", "height": within(arguments.height, units)})
     goals += [{"kind": name, name: value} for name in ("volume", "area") if (value := getattr(arguments, name)) is not None]
-    goals += [_above(text, places) for text in arguments.above]
-    goals += [{"kind": "below", "height": _number(text, "--below")} for text in arguments.below]
+    goals += [_above(text, places, units) for text in arguments.above]
+    goals += [{"kind": "below", "height": _height(text, "--below", units)} for text in arguments.below]
     goals += [{"kind": "edge in plan"}] if arguments.edges_in_plan else []
     goals += [{"kind": "level"}] if arguments.level_edges else []
     goals += [_parsed(text) for text in arguments.goal]
     return [*goals, *_unknown(arguments.unknown)]
 
 
-def _above(text: str, places: dict[str, Any]) -> dict[str, Any]:
+def _above(text: str, places: dict[str, Any], units: Optional[str]) -> dict[str, Any]:
     number, at, place = text.partition("@")
-    height = _number(number, "--above")
+    height = _height(number, "--above", units)
     if not at:
         return {"kind": "above", "height": height}
     if place in places:
@@ -89,11 +96,11 @@ def _above(text: str, places: dict[str, Any]) -> dict[str, Any]:
     return {"kind": "clearance", "where": where, "height": height}
 
 
-def _number(text: str, flag: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise CGCError(f"{flag} must be a height, such as 2.5 or 2.5@4, not {text!r}") from None
+def _height(text: str, flag: str, units: Optional[str]) -> float:
+    from ..model.units import length_of
+    from ..model.units import within
+
+    return within(length_of(text, flag), units)
 
 
 def _parsed(text: str) -> dict[str, Any]:

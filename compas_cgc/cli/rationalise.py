@@ -60,10 +60,6 @@ examples:
 
 NAMED = ("grid", "curvature", "geodesics", "levels", "faces")  # seams that need no curves
 
-# Lengths in metres of units of drawings, and of those that are written after a number.
-METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Feet": 0.3048, "Inches": 0.0254}
-SUFFIXES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "ft": 0.3048, "in": 0.0254}
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
@@ -231,20 +227,13 @@ def length(text: str, units: Union[str, None], name: str) -> float:
     CGCError
         If it is not understood.
     """
-    body = text.strip()
-    suffix = body.lstrip("+-.0123456789eE").strip().casefold() if not body.casefold().endswith("inf") else "?"
-    number = body[: len(body) - len(suffix)] if suffix else body
-    try:
-        value = float(number)
-        if not (math.isfinite(value) and value > 0.0):
-            raise ValueError
-    except ValueError:
-        raise CGCError(f"{name} must be a length above zero, such as 0.03 or 30mm, not {text!r}") from None
-    if not suffix:
-        return value
-    if suffix not in SUFFIXES:
-        raise CGCError(f"{name} has the unknown unit {suffix!r}; use {', '.join(SUFFIXES)}, or none for the units of the file")
-    return value * SUFFIXES[suffix] / METRES.get(units or "Meters", 1.0)
+    from ..model.units import length_of
+    from ..model.units import within
+
+    value = within(length_of(text, name), units)
+    if not value > 0.0:
+        raise CGCError(f"{name} must be a length above zero, such as 0.03 or 30mm, not {text!r}")
+    return value
 
 
 def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str]) -> bool:

@@ -203,7 +203,7 @@ def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCPr
     if arguments.flip:
         problem = problem.flipped()
     problem = with_laws(with_targets(problem, arguments.target), arguments.law)
-    return problem.with_goals(goals_of(arguments, dict(problem.drawing.places)))
+    return problem.with_goals(goals_of(arguments, dict(problem.drawing.places), problem.drawing.units))
 
 
 def _solve(problem: CGCProblem, arguments: argparse.Namespace, settings: Optional[Settings]) -> SolveResult:

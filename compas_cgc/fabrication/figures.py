@@ -8,8 +8,8 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
-from ..model.lengths import UNIT_SYMBOLS
-from .materials import METRES
+from ..model.units import METRES
+from ..model.units import UNIT_SYMBOLS
 
 __all__ = ["SHORT", "in_mm", "in_square_metres", "metres", "on_most_of_the_area", "two_digits", "unit_symbol"]
 

@@ -6,11 +6,9 @@ from typing import NamedTuple
 from typing import Union
 
 from ..errors import CGCError
+from ..model.units import METRES
 
-__all__ = ["MATERIALS", "METRES", "Material", "bending_stress", "material_named", "metres_per_unit"]
-
-# Length of one drawing unit in metres.
-METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Kilometers": 1e3, "Inches": 0.0254, "Feet": 0.3048, "Yards": 0.9144}
+__all__ = ["MATERIALS", "Material", "bending_stress", "material_named", "metres_per_unit"]
 
 
 class Material(NamedTuple):

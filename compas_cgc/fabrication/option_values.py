@@ -10,7 +10,11 @@ from typing import Optional
 from typing import Union
 
 from ..errors import CGCError
-from .materials import METRES
+from ..model.units import GivenLength
+from ..model.units import Length
+from ..model.units import length_of
+from ..model.units import millimetres_of
+from ..model.units import within
 
 __all__ = [
     "ALONG",
@@ -19,6 +23,8 @@ __all__ = [
     "NET_KINDS",
     "PAPERS",
     "Sheet",
+    "length",
+    "millimetres",
     "number",
     "paths",
     "plan_lines",
@@ -41,20 +47,17 @@ NET_KINDS = ("curvature", "asymptotic")  # curves that a net may be made of in a
 PAPERS = ("A4", "A3", "A2", "A1", "A0")  # from the smallest
 # Units of files by their usual abbreviation.
 DRAWING_UNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters", "in": "Inches", "ft": "Feet"}
-_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 
 
 class Sheet(NamedTuple):
     """Length and width of a sheet."""
 
-    length: float
-    width: float
-    unit: Optional[str] = None  # unit of the drawing if None
+    length: GivenLength
+    width: GivenLength
 
     def within(self, units: Optional[str]) -> tuple[float, float]:
         """Return length and width in the units of a drawing, such as ``Meters`` [L]."""
-        scale = 1.0 if self.unit is None else _UNITS[self.unit] / METRES.get(units or "Meters", 1.0)
-        return self.length * scale, self.width * scale
+        return within(self.length, units), within(self.width, units)
 
 
 # Each reader takes a value and its name for messages, and raises CGCError.
@@ -66,6 +69,18 @@ def number(value: object, what: str) -> float:
     if found is None or abs(found) > LARGEST:
         raise CGCError(f"{what} must be a number up to {LARGEST:g}, not {_short(value)}")
     return found
+
+
+def length(value: object, what: str) -> GivenLength:
+    """Return a length up to LARGEST in the units of the drawing, or with its unit, such as ``350mm``."""
+    found = length_of(value, what)
+    number(found.value if isinstance(found, Length) else found, what)
+    return found
+
+
+def millimetres(value: object, what: str) -> float:
+    """Return a length up to LARGEST in millimetres, without a unit or with another one."""
+    return number(millimetres_of(value, what), what)
 
 
 def whole(value: object, what: str) -> int:
@@ -97,7 +112,7 @@ def sheet(value: object, what: str) -> Sheet:
     length, width = map(_as_float, parts) if len(parts) == 2 else (None, None)
     if length is None or width is None:
         raise CGCError(f"{what} must be LENGTHxWIDTH, such as 3.0x1.5 or 3000x1500mm, not {_short(value)}")
-    return Sheet(length, width, unit)
+    return Sheet(*(number if unit is None else length_of(f"{number!r}{unit}", what) for number in (length, width)))
 
 
 def sheets(value: object, what: str) -> list[Sheet]:
@@ -149,11 +164,16 @@ def points(value: object, what: str) -> Union[str, list[list[float]]]:
     return [row for row in found if row is not None]
 
 
-def widths(value: object, what: str) -> list[float]:
-    """Return widths such as ``1.2``, ``0.8,1.2`` or ``[0.8, 1.2]``."""
-    found = _numbers([value] if isinstance(value, (int, float)) else value)
-    if not found or min(found) <= 0.0:
-        raise CGCError(f"{what} must be positive widths, such as 1.2 or 0.8,1.2, not {_short(value)}")
+def widths(value: object, what: str) -> list[GivenLength]:
+    """Return widths such as ``1.2``, ``0.8,1.2``, ``800mm,1200mm`` or ``[0.8, 1.2]``."""
+    parts = value.split(",") if isinstance(value, str) else value if isinstance(value, (list, tuple)) else [value]
+    sentence = f"{what} must be positive widths, such as 1.2 or 0.8,1.2, not {_short(value)}"
+    try:
+        found = [length(part, what) for part in parts]
+    except CGCError:
+        raise CGCError(sentence) from None
+    if not found or min(within(found, "Meters")) <= 0.0:
+        raise CGCError(sentence)
     return found
 
 

@@ -11,6 +11,7 @@ from typing import Optional
 
 from ..errors import CGCError
 from ..model.problem import PosesProblem
+from ..model.units import within
 from . import option_values as values
 from .materials import MATERIALS
 
@@ -136,7 +137,7 @@ _SHEET = {
     ]
 }
 _JOINTS = (
-    BuildOption("size", "approximate width of the panels, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"),
+    BuildOption("size", "approximate width of the panels, in model units", values.length, {**_LENGTH, "exclusiveMinimum": 0}, "L"),
     BuildOption(
         "count",
         "approximate number of panels per region, instead of a size",
@@ -158,7 +159,7 @@ _JOINTS = (
     BuildOption(
         "shortest",
         "length in mm of seams below which joints are moved if possible, or named in the report (default: 100)",
-        values.number,
+        values.millimetres,
         {**_LENGTH, "default": 100.0},
         "MM",
     ),
@@ -183,14 +184,14 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "thickness",
                     "thickness of the panels in mm (default: 6)",
-                    values.number,
+                    values.millimetres,
                     {**_LENGTH, "exclusiveMinimum": 0, "default": 6.0},
                     "MM",
                 ),
                 BuildOption(
                     "tolerance",
                     "largest gap in mm for which panels with different K share a mould (default: 0)",
-                    values.number,
+                    values.millimetres,
                     {**_LENGTH, "default": 0.0},
                     "MM",
                 ),
@@ -235,24 +236,24 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "spacing",
                     "distance between pieces on a sheet; 0 places them edge to edge (default: 1 % of the sheet width)",
-                    values.number,
+                    values.length,
                     _LENGTH,
                     "D",
                 ),
                 BuildOption(
-                    "margin", "free margin along the edges of a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"
+                    "margin", "free margin along the edges of a sheet (default 0)", values.length, {**_LENGTH, "default": 0.0}, "D"
                 ),
                 BuildOption(
                     "allowance",
                     "width of a strip around each piece for welding or sewing (default 0)",
-                    values.number,
+                    values.length,
                     {**_LENGTH, "default": 0.0},
                     "D",
                 ),
                 BuildOption(
                     "kerf",
                     "width that the tool removes; cut lines are drawn in the middle of it (default 0: the machine corrects the path)",
-                    values.number,
+                    values.length,
                     {**_LENGTH, "default": 0.0},
                     "D",
                 ),
@@ -274,11 +275,11 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "thickness",
                     "thickness of the sheets in mm, which is written on them and in the cut list",
-                    values.number,
+                    values.millimetres,
                     _LENGTH,
                     "MM",
                 ),
-                BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.number, _LENGTH, "D"),
+                BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.length, _LENGTH, "D"),
                 BuildOption(
                     "whole",
                     "do not divide the parts between creases and seams; refuse parts larger than a sheet (default: yes if seams are given)",
@@ -337,7 +338,7 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "thickness",
                     "thickness of the membrane in .inp files in mm (default: 10)",
-                    values.number,
+                    values.millimetres,
                     {**_LENGTH, "exclusiveMinimum": 0, "default": 10.0},
                     "MM",
                     file=True,
@@ -345,7 +346,7 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "beam",
                     "side of the square beams along creases and free edges in .inp files in mm (default: 200)",
-                    values.number,
+                    values.millimetres,
                     {**_LENGTH, "exclusiveMinimum": 0, "default": 200.0},
                     "MM",
                     file=True,
@@ -381,7 +382,7 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "spacing",
                     "distance between curves (default: 1/12 of the region size)",
-                    values.number,
+                    values.length,
                     {**_LENGTH, "exclusiveMinimum": 0},
                     "D",
                 ),
@@ -417,7 +418,7 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "width",
                     "upright width of laths in mm, for .laths files (default: 80)",
-                    values.number,
+                    values.millimetres,
                     {**_LENGTH, "exclusiveMinimum": 0, "default": 80.0},
                     "MM",
                     file=True,
@@ -425,7 +426,7 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "thickness",
                     "thickness of laths in mm, for .laths files (default: 8)",
-                    values.number,
+                    values.millimetres,
                     {**_LENGTH, "exclusiveMinimum": 0, "default": 8.0},
                     "MM",
                     file=True,
@@ -441,7 +442,7 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "stock",
                     "length of the stock; longer laths get splices (default: unlimited), for .laths files",
-                    values.number,
+                    values.length,
                     {**_LENGTH, "default": 0.0},
                     "L",
                     file=True,
@@ -456,14 +457,14 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "spacing",
                     "distance between lines (default: 1/12 of the size of the smallest region)",
-                    values.number,
+                    values.length,
                     {**_LENGTH, "exclusiveMinimum": 0},
                     "D",
                 ),
                 BuildOption(
                     "depth",
                     "depth of the beams (default: 0.1 of the spacing)",
-                    values.number,
+                    values.length,
                     {**_LENGTH, "exclusiveMinimum": 0},
                     "D",
                 ),
@@ -493,7 +494,7 @@ TASKS: dict[str, Task] = {
                 BuildOption(
                     "contours",
                     "height between contour lines (default: about ten lines)",
-                    values.number,
+                    values.length,
                     {**_LENGTH, "exclusiveMinimum": 0},
                     "D",
                 ),
@@ -583,12 +584,13 @@ def build(task: str, surface: PosesProblem, settings: Mapping[str, Any]) -> Any:
     CGCError
         If an option is invalid or the task fails.
     """
-    files = file_options(task, settings)
-    return TASKS[task].run(surface, {name: value for name, value in settings.items() if name not in files})
+    units = surface.to_problem().drawing.units
+    files = file_options(task, settings, units)
+    return TASKS[task].run(surface, {name: within(value, units) for name, value in settings.items() if name not in files})
 
 
-def file_options(task: str, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options of a task that affect only the written file.
+def file_options(task: str, settings: Mapping[str, Any], units: Optional[str]) -> dict[str, Any]:
+    """Return the options of a task that affect only the written file, with lengths in the units of a drawing.
 
     Parameters
     ----------
@@ -596,5 +598,7 @@ def file_options(task: str, settings: Mapping[str, Any]) -> dict[str, Any]:
         One of :data:`TASKS`.
     settings
         Result of :func:`read_settings`.
+    units
+        Units of the drawing, such as ``Meters``.
     """
-    return {own.name: settings[own.name] for own in TASKS[task].options if own.file and own.name in settings}
+    return {own.name: within(settings[own.name], units) for own in TASKS[task].options if own.file and own.name in settings}

@@ -66,12 +66,13 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
         If a package that the format requires is missing.
     """
     build_suffix(task, path)
+    files = file_options(task, settings, problem.drawing.units)
     if task == "unroll":
-        return write_patterns(path, report, **file_options(task, settings))
+        return write_patterns(path, report, **files)
     if task == "membrane":
-        write_forces(path, report, **file_options(task, settings))
+        write_forces(path, report, **files)
     elif task == "net":
-        write_net(path, report, **file_options(task, settings))
+        write_net(path, report, **files)
     elif task == "quads":
         write_quads(path, report)
     elif task == "drawings":

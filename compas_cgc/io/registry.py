@@ -21,6 +21,8 @@ from ..meshing.cleanup import Omission
 from ..model.manifold import as_manifold
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
+from ..model.units import GivenLength
+from ..model.units import within
 from .compas_json import json_text
 from .compas_json import read_json
 from .cursor import guarded
@@ -47,8 +49,8 @@ def read_problem(
     *,
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
-    tolerance: Optional[float] = None,
-    edge_length: Optional[float] = None,
+    tolerance: Optional[GivenLength] = None,
+    edge_length: Optional[GivenLength] = None,
     mesh: Optional[str] = None,
     result: bool = False,
     manifold: bool = False,
@@ -105,7 +107,7 @@ def read_problem(
 
             found = read_dxf(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
         else:
-            found = _function("read_{}", suffix)(source, tolerance or 0.0)
+            found = _function("read_{}", suffix)(source, within(tolerance, None) or 0.0)
         return _split(found) if manifold else found
 
 
@@ -122,8 +124,8 @@ def read_mesh(
     *,
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
-    tolerance: Optional[float] = None,
-    edge_length: Optional[float] = None,
+    tolerance: Optional[GivenLength] = None,
+    edge_length: Optional[GivenLength] = None,
     mesh: Optional[str] = None,
     result: bool = False,
     manifold: bool = False,
@@ -171,8 +173,8 @@ def read(
     *,
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
-    tolerance: Optional[float] = None,
-    edge_length: Optional[float] = None,
+    tolerance: Optional[GivenLength] = None,
+    edge_length: Optional[GivenLength] = None,
     mesh: Optional[str] = None,
     result: bool = False,
     manifold: bool = False,

@@ -8,10 +8,9 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from .units import UNIT_SYMBOLS
 
-__all__ = ["UNIT_SYMBOLS", "length_text", "place_text", "unit_suffix"]
-
-UNIT_SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
+__all__ = ["length_text", "place_text", "unit_suffix"]
 
 ZERO_LENGTH = 1e-9  # length relative to the size of a model that is written as 0
 DIGITS = 4

@@ -50,7 +50,7 @@ def test_all_goals_have_a_flag_or_are_data(plan, capsys):
     "flags, words",
     [
         (["--above", "2.5@gate"], "the place 'gate' must be a region number"),
-        (["--above", "high"], "--above must be a height, such as 2.5 or 2.5@4, not 'high'"),
+        (["--above", "high"], "--above must be a length, such as 0.35 or 350mm, not 'high'"),
         (["--goal", "rise"], "--goal must be a JSON object"),
         (["--goal", '{"kind": "hight"}'], "did you mean 'height'"),
         (["--unknown", "roof"], "--unknown: unknown K cannot be 'roof'; write numbers of regions or all"),

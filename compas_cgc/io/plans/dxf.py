@@ -19,6 +19,8 @@ from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ...meshing.cleanup import Omission
 from ...model.problem import Drawing
+from ...model.units import GivenLength
+from ...model.units import within
 from .._files import read_bytes
 from ..cleanup import MAX_COORDINATE
 from ..cursor import READ_LIMITS
@@ -61,7 +63,7 @@ IN_WORDS = {
 }
 
 
-def read_dxf_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Optional[float] = None) -> Plan:
+def read_dxf_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Optional[GivenLength] = None) -> Plan:
     """Read the curves, points and faces in the model space of a DXF file.
 
     Blocks are expanded, object coordinates converted, curves flattened, and ends that meet joined.
@@ -89,8 +91,8 @@ def read_dxf_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Opti
     chosen.check(path)
     curves = found.curves()
     points = np.array(found.points, dtype=np.float64).reshape(-1, 3)
-    made = joined(curves, join)
     unit = UNITS.get(document.header.get("$INSUNITS", 0), "")
+    made = joined(curves, within(join, unit))
     notes = [*made.notes, *found.notes(), *chosen.notes()]
     if not unit:
         notes.append("the drawing states no unit; its numbers are used as they are")

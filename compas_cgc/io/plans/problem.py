@@ -14,6 +14,8 @@ from ...errors import FileError
 from ...errors import MeshError
 from ...meshing.cleanup import Omission
 from ...model.lengths import unit_suffix
+from ...model.units import GivenLength
+from ...model.units import within
 from ..reading import ReadProblem
 from ..rhino.assemble import assemble
 from ..rhino.outlines import outlined
@@ -32,8 +34,8 @@ def read_dxf(
     path: Path,
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
-    tolerance: Optional[float] = None,
-    edge_length: Optional[float] = None,
+    tolerance: Optional[GivenLength] = None,
+    edge_length: Optional[GivenLength] = None,
 ) -> ReadProblem:
     """Read a problem from the drawing in a DXF file.
 
@@ -60,7 +62,7 @@ def read_dxf(
     plan = read_dxf_plan(path, names, tolerance)
     creases = {name.casefold() for name in _names((layers or {}).get("creases", ()))}
     try:
-        return problem_of_plan(plan, path.stem, edge_length, crease, creases)
+        return problem_of_plan(plan, path.stem, within(edge_length, plan.unit), crease, creases)
     except (FileError, MeshError) as error:
         raise FileError(f"{path}: {error}") from None
 

@@ -12,6 +12,8 @@ from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ...errors import names_what_was_meant
 from ...model.lengths import unit_suffix
+from ...model.units import GivenLength
+from ...model.units import within
 from ..reading import ReadProblem
 from .archive import Item
 from .archive import list_items
@@ -44,8 +46,8 @@ def read_3dm(
     *,
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
-    tolerance: Optional[float] = None,
-    edge_length: Optional[float] = None,
+    tolerance: Optional[GivenLength] = None,
+    edge_length: Optional[GivenLength] = None,
     result: bool = False,
 ) -> ReadProblem:
     """Read a surface problem from a .3dm file.
@@ -91,16 +93,18 @@ def read_3dm(
     names = layer_names(path, layers)
     archive = read_archive(path)
     found = select(list_items(archive), names, result)
-    own = float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance
+    units = unit_name(archive.Settings.ModelUnitSystem)
+    length, weld = within(edge_length, units), within(tolerance, units)
+    own = float(archive.Settings.ModelAbsoluteTolerance) if weld is None else weld
     try:
-        unit = unit_suffix(unit_name(archive.Settings.ModelUnitSystem))
+        unit = unit_suffix(units)
         curves = [item for item in found.creases if item.kind == "curve"] if len(found.mesh) == 1 else []
         lines = [to_drawn(item, 0.25 * own, EDGE_ACCURACY) for item in curves]
-        converted = [_converted(item, found.mesh, edge_length, own, unit, lines) for item in found.mesh]
+        converted = [_converted(item, found.mesh, length, own, unit, lines) for item in found.mesh]
         if any(made.laid for made in converted):
             found = found._replace(creases=[item for item in found.creases if item.kind != "curve"])
         if not converted:
-            converted = [outline_part(found, edge_length, own)]
+            converted = [outline_part(found, length, own)]
             # The creases are edges of the mesh now, cut at the outline.
             found = found._replace(creases=[])
         joints = [joint for made in converted for joint in made.creases]
