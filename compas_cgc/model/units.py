@@ -44,8 +44,8 @@ def length_of(value: object, what: str) -> GivenLength:
 
     Examples
     --------
-    >>> length_of("350 mm", "the edge length").within("Meters"), length_of("0.35", "the edge length")
-    (0.35, 0.35)
+    >>> length_of("350 mm", "the edge length").within("Millimeters"), length_of("0.35", "the edge length")
+    (350.0, 0.35)
     """
     found = re.fullmatch(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z\"']*)\s*", value) if isinstance(value, str) else None
     unit = found.group(2).casefold() if found else ""

@@ -452,7 +452,7 @@ def test_a_package_that_is_missing_is_told_before_the_solve(tmp_path, capsys, mo
         (["solve", "roof.3dm", "-o", "a.3dm", "--edge_length", "1"], "unknown option --edge_length, did you mean --edge-length?"),
         (["solve", "roof.3dm", "-o", "a.3dm", "--K", "0.01"], "unknown option --K, did you mean --target?"),
         (["check", "roof.3dm", "--curvature", "0.01"], "unknown option --curvature"),
-        (["solve", "roof.3dm", "-o", "a.3dm", "--rise", "3m"], "'3m' is not a number"),
+        (["solve", "roof.3dm", "-o", "a.3dm", "--rise", "3x"], "the length has the unknown unit 'x'"),
         (["check", "my", "roof.3dm"], "put names that contain spaces in quotation marks"),
     ],
 )

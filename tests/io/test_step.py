@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import dblquad
 
 import compas_cgc
+from compas_cgc import CGCProblem
 from compas_cgc.cli import main
 from compas_cgc.discrete import face_areas
 from compas_cgc.errors import MeshError
@@ -275,6 +276,21 @@ def test_a_region_that_closes_is_refused():
     sphere.set_target(1.0)
     with pytest.raises(MeshError, match="closes or folds over"):
         region_surfaces(sphere.to_problem())
+
+
+def test_a_region_that_overhangs_its_support_is_refused_with_the_place():
+    """Beside a straight support with K > 0 the slope grows as the mesh is refined, until only the last row of faces is vertical."""
+    rings, count = np.radians(np.linspace(8.0, 94.0, 9)), 48
+    turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    V = [[0.0, 0.0, 5.0]] + [[5 * np.sin(a) * np.cos(t), 5 * np.sin(a) * np.sin(t), 5 * np.cos(a)] for a in rings for t in turn]
+    F = [[0, 1 + k, 1 + (k + 1) % count] for k in range(count)]
+    for ring in range(len(rings) - 1):
+        for k in range(count):
+            a, b = (1 + ring * count + j % count for j in (k, k + 1))
+            F += [[a, a + count, b + count], [a, b + count, b]]
+    problem = CGCProblem(np.array(V), np.array(F)).with_supports("boundary").with_targets(0.04)
+    with pytest.raises(MeshError, match=r"overhangs beside a support at \([-\d., e]+\).*longer mesh edges"):
+        region_surfaces(problem)
 
 
 def test_refused_surfaces_never_cost_the_mesh(tmp_path, monkeypatch, capsys):

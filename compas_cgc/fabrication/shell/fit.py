@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 from typing import Callable
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from scipy import sparse
@@ -23,6 +24,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import MeshError
 from ...linalg import linear_solver
+from ...model.lengths import place_text
 from ...model.problem import CGCProblem
 from .edges import RegionEdge
 from .edges import region_edges
@@ -243,7 +245,8 @@ class _System:
         self.V = (V - self.centre) / self.scale
         self.edge = float(np.linalg.norm(self.V[F[:, 1]] - self.V[F[:, 0]], axis=1).mean())
         self.edges = region_edges(self.V, F, self.label)
-        self.singular = self.V[singular_vertices(problem)]
+        self.singular_vertices = singular_vertices(problem)
+        self.singular = self.V[self.singular_vertices]
         self.lines = [samples(self.V[edge.path]) for edge in self.edges]
         self.regions = self._regions(cell)
         self.size = sum(region.splines.space.size for region in self.regions)
@@ -259,7 +262,9 @@ class _System:
         normals = face_normals(self.V, self.problem.faces)
         for number in range(self.label.max(initial=-1) + 1):
             faces = self.problem.faces[self.label == number]
-            axes = _axes(self.V[np.unique(faces)], normals[self.label == number], number)
+            axes = _axes(self.V[np.unique(faces)], normals[self.label == number])
+            if axes is None:
+                raise MeshError(self._why_no_graph(faces, normals[self.label == number], number))
             plan = self.V @ axes.T
             own = np.concatenate(
                 [plan[np.unique(faces)]] + [line @ axes.T for e, line in zip(self.edges, self.lines) if number in e.regions]
@@ -270,6 +275,18 @@ class _System:
             regions.append(_Region(np.unique(faces), faces, plan, Region(axes, space, start)))
             start += space.size
         return regions
+
+    def _why_no_graph(self, faces: Faces, normals: FloatArray, number: int) -> str:
+        """Return why a region with face normals (k, 3) is no graph over a plane, with the remedy."""
+        cosines = normals @ normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
+        if not np.isin(faces[cosines < MIN_COSINE], self.singular_vertices).any(axis=1).all():
+            return f"region {number} closes or folds over, so it is no surface over a plane; divide it by a crease"
+        steepest = self.V[faces[np.argmin(cosines)]].mean(axis=0)
+        place = place_text(self.centre + self.scale * steepest, self.scale)
+        return (
+            f"region {number} is vertical or overhangs beside a support at {place}, so it is no surface over a plane; with K > 0 the slope "
+            "beside a straight support grows as the mesh is refined, so use longer mesh edges, or divide the region by a crease"
+        )
 
     def _stack(self, rows: Callable[[_Region], sparse.csr_matrix]) -> list[sparse.csr_matrix]:
         return [region.splines.placed(rows(region), self.size) for region in self.regions]
@@ -410,15 +427,18 @@ def reference(target: float, points: FloatArray, size: float) -> float:
     return float(max(np.nan_to_num(abs(target)), CURVATURE_FLOOR / size**2, REGION_FLOOR / (np.ptp(points, axis=0) ** 2).sum()))
 
 
-def _axes(points: FloatArray, normals: FloatArray, number: int) -> FloatArray:
-    """Return axes (3, 3) in which a region is a graph: its mean normal if possible, otherwise the direction best for the worst face."""
+def _axes(points: FloatArray, normals: FloatArray) -> Optional[FloatArray]:
+    """Return axes (3, 3) in which a region is a graph, None if there are none.
+
+    The direction of projection is the mean normal if possible, otherwise the one that is best for the worst face.
+    """
     direction = normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
     if (normals @ direction).min() < LEVEL_COSINE:
         sides = np.column_stack([-normals, np.ones(len(normals))])
         best = linprog([0, 0, 0, -1], A_ub=sides, b_ub=np.zeros(len(normals)), bounds=[(-1, 1)] * 3 + [(None, None)]).x[:3]
         direction = best / max(float(np.linalg.norm(best)), 1e-300)
     if (normals @ direction).min() < MIN_COSINE:
-        raise MeshError(f"region {number} closes or folds over, so it is no surface over a plane; divide it by a crease")
+        return None
     flat = points - np.outer(points @ direction, direction)
     axis = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][0]
     axis -= (axis @ direction) * direction
