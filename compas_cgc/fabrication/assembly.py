@@ -202,7 +202,8 @@ def _view(patterns: Patterns, axes: FloatArray, chosen: IntArray, numbers: list[
         label = next((own for own in tried if not any(overlap(text_box(text, own.place, own.height), box) for box in boxes)), tried[0])
         if small < READABLE * usual:
             foot = point_at(plan[seam.nodes], np.array([0.5 * length]))[0]
-            leader, label = led_aside(label, foot, towards(foot, middles[piece]), usual * LED_SIZES, sides, boxes)
+            places = [*towards(foot, middles[piece]), *around(foot, text, float(usual * LED_SIZES[-1]), size)]
+            leader, label = led_aside(label, foot, places, usual * LED_SIZES, sides, boxes)
         lines += leader
         numbered.append(label)
         boxes.append(text_box(text, label.place, label.height))

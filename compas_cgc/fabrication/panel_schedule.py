@@ -89,6 +89,7 @@ class PanelSheet(NamedTuple):
     K: float  # of the mould [1/m^2]
     radius: float  # of curvature of the mould, 0 for a plane [mm]
     sides: list[PanelSide]  # counterclockwise
+    outline: FloatArray  # (n, 3) in position, from corner 1 [mm]
     corners: FloatArray  # (k, 3) in position [mm]
     heights: FloatArray  # (k,) of the corners over the mean plane, positive to the outside [mm]
     diagonals: list[tuple[int, int, float]]  # corners, from 0, and their distance in position [mm]
@@ -176,6 +177,7 @@ def _sheet(
         mould.K / report.unit**2,
         0.0 if radius is None else mm * radius,
         sides,
+        mm * np.roll(outline, -start[0], axis=0),
         mm * outline[start],
         mm * (outline[start] - middle) @ up,
         diagonals,

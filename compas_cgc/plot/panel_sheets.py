@@ -147,8 +147,8 @@ def _plan_axes(figure: Figure, sheets: Sequence[PanelSheet], place: tuple[float,
 
 
 def _flat(own: PanelSheet) -> FloatArray:
-    """Return the corners of a panel in the plan or elevation of the roof (k, 2) [mm]."""
-    return own.corners @ own.view[:2].T
+    """Return the outline of a panel in the plan or elevation of the roof, from corner 1 (n, 2) [mm]."""
+    return own.outline @ own.view[:2].T
 
 
 def _curvatures(sheets: Sequence[PanelSheet]) -> tuple[str, ...]:

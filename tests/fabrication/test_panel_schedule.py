@@ -44,6 +44,10 @@ def test_sides_are_the_seams_with_the_neighbours(report):
                 # Both panels have the same length on their common side.
                 beyond = [other.length for other in sheets[side.neighbour].sides if other.neighbour == name]
                 assert beyond == pytest.approx([side.length])
+        # In position it begins at corner 1, and has the lengths of the sides.
+        assert own.outline[0] == pytest.approx(own.corners[0]) and len(own.outline) == sum(len(side.points) - 1 for side in own.sides)
+        around = np.linalg.norm(np.roll(own.outline, -1, axis=0) - own.outline, axis=1).sum()
+        assert around == pytest.approx(sum(side.length for side in own.sides))
         # The outline is closed, counterclockwise and as long as the sides, up to its projection.
         outline = np.vstack([side.points[:-1] for side in own.sides])
         x, y = outline.T

@@ -151,6 +151,16 @@ def test_creases_corners_and_columns_are_dimensioned_in_the_plan():
     assert labels[1].place[1] < -12.0 < labels[0].place[1]
 
 
+def test_nearly_straight_edges_between_corners_are_not_dimensioned():
+    """The free edges of a roof on its corners move out by some millimetres."""
+    flat = CGCMesh.from_meshgrid(dx=9.0, dy=7.0, nx=18, ny=14)
+    vertices, faces = flat.to_vertices_and_faces(triangulated=True)
+    V = np.array(vertices)
+    V[:, :2] += 0.003 * (V[:, :2] - [4.5, 3.5]) * np.sin(np.pi * V[:, [1, 0]] / [7.0, 9.0]) / [4.5, 3.5]
+    problem = CGCProblem(V, np.array(faces)).with_supports("corners").with_targets(0.0)
+    assert Shape(problem).chains == []
+
+
 def test_contour_lines_have_their_heights_and_supports_their_lines():
     drawn = draw_views(roof(), 100, contours=0.5)
     assert sorted({height for height, _ in drawn.contours}) == [0.5, 1.0, 1.5, 2.0, 2.5]

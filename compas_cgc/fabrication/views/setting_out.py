@@ -28,15 +28,24 @@ SMALL = 0.8 * TEXT_HEIGHT  # height of the texts [mm]
 def set_out(shape: Shape) -> FloatArray:
     """Return the points (k, 3) that fix the plan [L].
 
-    These are corners and extremes of closed lines, ends, kinks and crowns of creases, and single supports.
+    These are corners of outlines, ends and kinks of creases, crowns of curved parts between them, extremes of outlines without corners,
+    and single supports.
     """
     plan = shape.vertices * [1.0, 1.0, 0.0]
     found = [plan[shape.held_points]]
     for path in (*shape.outlines, *shape.creases):
         line = plan[path]
         if path[0] == path[-1]:
-            extremes = [own(line[:, axis]) for own in (np.argmin, np.argmax) for axis in (0, 1)]
-            found += [line[:-1][corners_of(line[:-1])], line[extremes]]
+            corners = np.flatnonzero(corners_of(line[:-1]))
+            if len(corners) < 2:
+                extremes = [own(line[:, axis]) for own in (np.argmin, np.argmax) for axis in (0, 1)]
+                found += [line[corners], line[extremes]]
+                continue
+            # From corner to corner a closed line is like an open one.
+            line = np.roll(line[:-1], -corners[0], axis=0)
+            line = np.vstack([line, line[:1]])
+            ends = np.r_[corners - corners[0], len(line) - 1]
+            found += [line[ends], *(_crown(line[a : b + 1]) for a, b in zip(ends, ends[1:]))]
             continue
         sides = np.diff(line, axis=0)
         sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
