@@ -45,6 +45,7 @@ FINE_DEGREE, FINE_RINGS = 4, 3  # degree and rings of the second fits, used wher
 FIT_ERROR_FACTOR = 0.6  # relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)^2
 MAX_FIT_SQUARE = 0.25  # upper bound of that square: fits over a larger part of the sphere get no further allowance
 TARGET_FLOOR = 0.1  # smallest reference for relative errors, relative to the largest target
+INVISIBLE_SAG = 1e-3  # of the size of a surface, below which the effect of a curvature on its shape is invisible
 FLAT_SHEET = 1e-3  # curvature relative to the largest target, below which a sheet is flat and has no side
 MAX_WAVINESS_75, MAX_WAVINESS_95 = 0.2, 0.4  # residual of the fits over their sagitta on a fair surface: 75th and 95th percentiles by area
 SAGITTA_FLOOR = 0.3  # smallest reference for residuals, relative to the median sagitta
@@ -315,15 +316,18 @@ def _principal(fits: LocalFits) -> FloatArray:
 def _least(problem: CGCProblem, fits: LocalFits) -> FloatArray:
     """Return the smallest reference curvature for relative errors (n,) [1/L^2].
 
-    Where K̄ = 0 on a bent surface, it is the K of a second principal curvature of TARGET_FLOOR times the first.
+    On a bent surface, it is the K of a second principal curvature of TARGET_FLOOR times the first, by regions: nearly cylindrical regions
+    are judged like cylinders. On a nearly flat surface it is a K whose effect is INVISIBLE_SAG of the size.
     """
     targets = problem.targets[problem.asked]
-    least = TARGET_FLOOR * float(np.abs(targets).max(initial=0.0))
-    if not targets.any():
-        least = 1.0 / max(float(face_areas(problem.vertices, problem.faces).sum()), TINY)
-    flat = np.isfinite(fits.mean) & (problem.targets == 0.0)
-    bent = TARGET_FLOOR * float(np.median(4.0 * fits.mean[flat] ** 2)) if flat.any() else 0.0
-    return np.where(problem.targets == 0.0, max(least, bent), least)
+    size_square = max(float(face_areas(problem.vertices, problem.faces).sum()), TINY)
+    least = max(TARGET_FLOOR * float(np.abs(targets).max(initial=0.0)), (8.0 * INVISIBLE_SAG if targets.any() else 1.0) / size_square)
+    region = vertex_labels(len(problem.vertices), problem.faces, problem.regions())
+    bent = np.zeros(len(region))
+    fitted = np.isfinite(fits.mean)
+    for own in np.unique(region[fitted]).tolist():
+        bent[region == own] = TARGET_FLOOR * float(np.median(4.0 * fits.mean[fitted & (region == own)] ** 2))
+    return np.maximum(least, bent)
 
 
 def _waves(fits: LocalFits) -> FloatArray:

@@ -34,6 +34,7 @@ __all__ = ["Moulds", "Placed", "assign", "catalogue", "cheapened", "finished", "
 STEPS, LINEARISATIONS = 3, 8  # of Newton's method after K has changed: steps with the same factors, and how often
 CLOSE = 0.05  # deviation of K times the area, below which a surface has its K; a part of it where the design has less K
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
+FLAT = 8e-6  # K times the area of moulds that are flat: over the whole design they rise by 1e-6 of its size, less than files are rounded to
 ROUNDS = 10  # linearisations from every start
 STARTS, SOLVED = 4, 3  # clusterings that are improved at most, and how many are solved to choose each
 EFFORT = 640  # panels of all starts together: with more panels a start takes longer, and clusterings differ less
@@ -207,9 +208,9 @@ def _nearest(sensitivities: Sensitivities, mass: FloatArray) -> FloatArray:
 
 
 def finished(moves: NormalMoves, placed: Placed) -> Placed:
-    """Return an assignment with its surface solved to rounding; moulds that are flat within it have K = 0."""
+    """Return an assignment with its surface solved to rounding; moulds that are nearly flat have K = 0, unless they exist."""
     values = placed.assigned.values
-    assigned = replace(placed.assigned, values=np.where(np.abs(values) * moves.size**2 <= DONE, 0.0, values))
+    assigned = replace(placed.assigned, values=np.where((np.abs(values) * moves.size**2 <= FLAT) & ~placed.assigned.kept, 0.0, values))
     here = placed.moves
     for _ in range(FINISHING):
         if moves.error(here, assigned.K) <= DONE:

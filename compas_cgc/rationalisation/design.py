@@ -12,6 +12,7 @@ from typing import Union
 
 import numpy as np
 
+from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
@@ -52,7 +53,8 @@ class DesignMesh(NamedTuple):
 
     vertices: FloatArray  # (n, 3) [L]
     polygons: Sequence[Sequence[int]]  # corners of its faces
-    tolerance: float  # of the surface fitted to it, whether or not it is met [L]
+    parameters: FloatArray  # (n, 2) of its vertices on the surface fitted to it
+    tolerance: float  # of this surface, whether or not it is met [L]
     notes: tuple[str, ...] = ()  # on this surface
 
 
@@ -82,6 +84,17 @@ class Design(NamedTuple):
         """Return the design, refitted if its surface deviates more than a limit [L] and was fitted within a larger tolerance."""
         met = self.mesh is None or min(self.deviation, self.mesh.tolerance) <= limit
         return self if met else self.refitted(limit)
+
+    def facet_deviation(self) -> Optional[float]:
+        """Return how far the faces of the mesh are from the surface at most [L]: at the middles of their edges. None if it is no mesh."""
+        if self.mesh is None:
+            return None
+        V, uv = self.mesh.vertices, self.mesh.parameters
+        sides = edge_faces(triangles_of(V, self.mesh.polygons)[0])[:, :2]
+        middles = V[sides].mean(axis=1)
+        # Searches start from both ends, as parameters may close in between.
+        feet = [self.surface.at(self.surface.foot(middles, uv[sides[:, end]])) for end in (0, 1)]
+        return float(np.minimum(*(np.linalg.norm(middles - foot, axis=1) for foot in feet)).max(initial=0.0))
 
     @property
     def trimmed(self) -> bool:
@@ -256,7 +269,7 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
         own = np.array(polygons)
         quads = _joined_corners(uv, own, over, [np.argmin(over.uv[:, 1]), np.argmax(over.uv[:, 1])])
     creases = () if mesh is None else mesh.lines()
-    given = DesignMesh(vertices, polygons, wanted, notes)
+    given = DesignMesh(vertices, polygons, uv, wanted, notes)
     return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads, mesh=given, creases=creases)
 
 

@@ -81,6 +81,11 @@ class Rationalised:
         return distance_from(self.design.surface, self.panelling, self.result.vertices)
 
     @cached_property
+    def facet_deviation(self) -> Optional[float]:
+        """How far the faces of the mesh of the design are from the smooth surface through its vertices [L], None if it is no mesh."""
+        return self.design.facet_deviation()
+
+    @cached_property
     def folds(self) -> Folds:
         """Folds along the seams [deg]."""
         return folds_at_seams(self.panelling, self.result.vertices)
@@ -142,6 +147,9 @@ class Rationalised:
             f"folds at seams beyond those of the design: {beyond['largest']:.2g} degrees (largest), {beyond['median']:.2g} (median)",
             f"surface: {self.result.status}, {self.result.verdict}",
         ]
+        if self.facet_deviation is not None:
+            faces = f"the faces of the mesh are up to {self.facet_deviation:.2g}{suffix} from it"
+            lines.insert(2, f"the design is the smooth surface through the vertices of the mesh; {faces}")
         if self.costs is not None:
             of_moulds, of_panels = self.costs_of_parts
             lines.insert(1, f"costs: {of_moulds + of_panels:,.10g}, moulds {of_moulds:,.10g} and panels {of_panels:,.10g}")
@@ -168,6 +176,7 @@ class Rationalised:
             "within": self.within,
             "costs": None if self.costs is None else {"moulds": self.costs_of_parts[0], "panels": self.costs_of_parts[1]},
             "fit_deviation": self.design.deviation,
+            "facet_deviation": self.facet_deviation,
             "kinks": {
                 "largest": float(folds.angles.max(initial=0.0)),
                 "median": float(np.median(folds.angles)) if len(folds.edges) else 0.0,

@@ -355,3 +355,30 @@ def test_groups_of_panels_follow_the_mirrors_of_the_design_and_its_supports():
     assert groups(lambda x, y: 1.0 - 0.02 * (x - 6.0) ** 2 - 0.03 * (y - 4.0) ** 2) == 24
     assert groups(lambda x, y: 1.0 - 0.02 * (x - 6.0) ** 2 + 0.01 * y, (6.0, 0.0)) == 12
     assert groups(lambda x, y: 1.0 - 0.02 * (x - 5.0) ** 2 + 0.01 * y, (6.0, 0.0)) == 24
+
+
+def test_faces_of_a_coarse_mesh_are_a_sagitta_from_the_surface_that_is_measured():
+    radius, edge = 20.0, 1.0
+    mesh = mesh_over(lambda x, y: np.sqrt(radius**2 - (x - 6.0) ** 2 - (y - 4.0) ** 2), 12.0, 8.0, edge)
+    own = compas_cgc.rationalise(mesh, panel=4.0, edges=4, moulds=1, flat=False)
+    # Diagonals of the squares are the longest edges; towards the corners they are 10 % longer.
+    assert 1.0 <= own.facet_deviation / (2.0 * edge**2 / (8.0 * radius)) < 1.25
+    assert own.to_dict()["facet_deviation"] == own.facet_deviation > 100.0 * own.design.deviation
+    assert f"up to {own.facet_deviation:.2g} from it" in own.summary
+    smooth = compas_cgc.rationalise(quarter_torus(), panel=3.0, edges=4, moulds=2)
+    assert smooth.facet_deviation is None and "through the vertices" not in smooth.summary
+
+
+def test_faces_beside_the_seam_of_a_closed_mesh_are_no_farther_from_it():
+    angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    vertices = [[3.0 * np.cos(own), 3.0 * np.sin(own), height] for height in range(7) for own in angles]
+    quads = [[24 * i + j, 24 * i + (j + 1) % 24, 24 * i + 24 + (j + 1) % 24, 24 * i + 24 + j] for i in range(6) for j in range(24)]
+    assert read_design((vertices, quads)).facet_deviation() == pytest.approx(3.0 * (1.0 - np.cos(np.pi / 24.0)), rel=0.02)
+
+
+def test_a_cylinder_that_is_rounded_comes_off_one_flat_mould():
+    angles = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    vertices = np.array([[np.cos(own), np.sin(own), 0.25 * height] for height in range(13) for own in angles]).round(6)
+    quads = [[40 * i + j, 40 * i + (j + 1) % 40, 40 * i + 40 + (j + 1) % 40, 40 * i + 40 + j] for i in range(12) for j in range(40)]
+    own = compas_cgc.rationalise((vertices, quads), panel=1.0, moulds=3)
+    assert own.curvatures.tolist() == [0.0] and own.result.verdict.fair and own.distance.largest < 1e-5
