@@ -8,7 +8,10 @@ from typing import Union
 from ..errors import CGCError
 from ..model.units import METRES
 
-__all__ = ["MATERIALS", "Material", "bending_stress", "material_named", "metres_per_unit"]
+__all__ = ["MATERIALS", "Material", "bending_stress", "material_named", "metres_per_unit", "refuse_foil"]
+
+
+MIN_THICKNESS = 0.01  # of sheets, below which it is probably in other units [mm]
 
 
 class Material(NamedTuple):
@@ -96,3 +99,15 @@ def metres_per_unit(units: Union[str, None]) -> float:
     if units not in METRES:
         raise CGCError(f"the unit {units!r} is not supported; draw in {', '.join(METRES)}")
     return METRES[units]
+
+
+def refuse_foil(thickness: float) -> None:
+    """Refuse a thickness [mm] that is probably in metres.
+
+    Raises
+    ------
+    CGCError
+        With the thickness in millimetres.
+    """
+    if thickness < MIN_THICKNESS:
+        raise CGCError(f"a thickness of {thickness:g} mm is thinner than foil; give it in mm, such as {1e3 * thickness:g}")

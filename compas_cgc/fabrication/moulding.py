@@ -39,6 +39,7 @@ from .fitting import rigid_fits
 from .materials import Material
 from .materials import material_named
 from .materials import metres_per_unit
+from .materials import refuse_foil
 from .mould_report import Mould
 from .mould_report import MouldReport
 from .mould_report import PanelFit
@@ -60,7 +61,6 @@ __all__ = ["moulds"]
 
 K_TOLERANCE = 1e-9  # relative difference below which two curvatures count as equal
 MAX_GAP = 0.05  # gap relative to the mean edge length above which the surface does not have the K of the mould
-MIN_THICKNESS = 0.01  # of sheets, below which it is probably in other units [mm]
 ROTATIONS = 24  # rotations about the pole compared on a pseudosphere, before the best is refined
 SIZE_TOLERANCE = 1e-3  # of the logarithm of the radius of a mould of least bending
 ANGLE_TOLERANCE = 2e-3  # of the rotation of least bending [rad]
@@ -146,8 +146,7 @@ def moulds(
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
     if not 0.0 < checked_number(thickness, "thickness") < math.inf:
         raise CGCError(f"the thickness must be a positive number [mm], not {thickness!r}")
-    if thickness < MIN_THICKNESS:
-        raise CGCError(f"a thickness of {thickness:g} mm is thinner than foil; give it in mm, such as {1e3 * thickness:g}")
+    refuse_foil(thickness)
     if not (math.isfinite(tolerance) and tolerance >= 0.0):
         raise CGCError(f"the tolerance must be at least 0 mm, not {tolerance!r}")
     _check_panels(problem, panels)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import CGCError
 from ..model.given import checked_number
+from .materials import refuse_foil
 
 __all__ = ["Stock", "stock_of"]
 
@@ -100,6 +101,8 @@ def stock_of(
     for what, length in lengths.items():
         if length is not None and not 0 <= length < np.inf:
             raise CGCError(f"the {what} must be at least 0, not {length:g}")
+    if thickness:
+        refuse_foil(thickness)
     if size is not None and not 2 * margin < size[1]:
         raise CGCError(
             f"margins of {margin:g} leave no room on a sheet of {size[0]:g} x {size[1]:g}; check the units, which are those of the drawing"

@@ -103,3 +103,8 @@ def test_true_shapes_share_sheets_that_their_rectangles_do_not():
     for sheet in (0, 1):
         one, other = (shape for shape, own in zip(shapes, sheets) if own == sheet)
         assert one.distance(other) > 0.01 - 1e-4
+
+
+def test_a_thickness_in_metres_is_refused(vault):
+    with pytest.raises(CGCError, match="a thickness of 0.006 mm is thinner than foil; give it in mm, such as 6"):
+        unroll(vault, (3.0, 1.5), thickness=0.006)

@@ -225,6 +225,7 @@ def test_views_lie_on_the_sheet_and_do_not_overlap():
     "given, sentence",
     [
         ({"scale": 1}, "at 1:1 the views do not fit on A0; use 1:"),
+        ({"contours": 500.0}, "the height between contour lines, 500 meters, is far larger than the surface"),
         ({"scale": 50, "sheet": "A4"}, "at 1:50 the views do not fit on A4; use 1:200, or a larger sheet"),
         ({"sheet": "A7"}, "the sheet must be one of A4, A3, A2, A1, A0"),
         ({"sections": [(0, 0, 0, 0)]}, "the line of section A from its first to its second point must be two numbers"),

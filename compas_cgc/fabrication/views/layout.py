@@ -14,6 +14,7 @@ from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...errors import CGCError
 from ...errors import names_what_was_meant
+from ...model.given import refuse_other_units
 from ...model.problem import PosesProblem
 from ...model.problem import problem_of
 from .. import option_values as values
@@ -234,6 +235,8 @@ def _interval(shape: Shape, given: Optional[float]) -> float:
         return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1 - 1e-9)))
     if not given > 0.0:
         raise CGCError("the height between contour lines must be positive")
+    size = float(np.linalg.norm(shape.high - shape.low))
+    refuse_other_units("the height between contour lines", given, size, shape.problem.drawing.units)
     if rise / given > MAX_CONTOURS:
         raise CGCError(f"contour lines every {given:g} would be {rise / given:.0f} lines; use {rise / 100:.2g} or more")
     return float(given)
