@@ -44,6 +44,7 @@ DesignInput = Union[str, os.PathLike, SplineSurface, Any]
 EPS = float(np.finfo(float).eps)
 TOLERANCE = 1e-4  # of the size of a mesh, within which it is fitted by default
 LARGEST_DEVIATION = 0.01  # of the size, from which a fitted surface is no longer the design
+LARGEST_FACET_DEVIATION = 0.1  # of the size; that of a sphere of four faces around is 0.085
 CORRECTIONS = 2  # of the parameters of vertices for each number of spans; more change little
 ON_SIDE = 1e-3  # of a mean edge, within which a rim is a side of the rectangle around it
 
@@ -53,8 +54,8 @@ class DesignMesh(NamedTuple):
 
     vertices: FloatArray  # (n, 3) [L]
     polygons: Sequence[Sequence[int]]  # corners of its faces
-    parameters: FloatArray  # (n, 2) of its vertices on the surface fitted to it
-    tolerance: float  # of this surface, whether or not it is met [L]
+    tolerance: float  # of the surface fitted to it, whether or not it is met [L]
+    facet_deviation: float  # largest distance of the middles of its edges from this surface [L]
     notes: tuple[str, ...] = ()  # on this surface
 
 
@@ -84,17 +85,6 @@ class Design(NamedTuple):
         """Return the design, refitted if its surface deviates more than a limit [L] and was fitted within a larger tolerance."""
         met = self.mesh is None or min(self.deviation, self.mesh.tolerance) <= limit
         return self if met else self.refitted(limit)
-
-    def facet_deviation(self) -> Optional[float]:
-        """Return how far the faces of the mesh are from the surface at most [L]: at the middles of their edges. None if it is no mesh."""
-        if self.mesh is None:
-            return None
-        V, uv = self.mesh.vertices, self.mesh.parameters
-        sides = edge_faces(triangles_of(V, self.mesh.polygons)[0])[:, :2]
-        middles = V[sides].mean(axis=1)
-        # Searches start from both ends, as parameters may close in between.
-        feet = [self.surface.at(self.surface.foot(middles, uv[sides[:, end]])) for end in (0, 1)]
-        return float(np.minimum(*(np.linalg.norm(middles - foot, axis=1) for foot in feet)).max(initial=0.0))
 
     @property
     def trimmed(self) -> bool:
@@ -258,6 +248,12 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
     notes = () if fitted.deviation <= wanted else (_note(fitted, wanted),)
     uv = np.zeros((len(vertices), 2))
     uv[over.vertices] = fitted.uv
+    facets = _facet_deviation(fitted.surface, vertices, faces, uv)
+    if facets > LARGEST_FACET_DEVIATION * size:
+        raise MeshError(
+            f"the faces of the mesh are up to {facets:.3g}, {100.0 * facets / size:.2g} % of its size, from the smooth surface through its "
+            "vertices; the mesh is too coarse: refine it, or give a NURBS surface"
+        )
     rims = tuple(uv[loop] for loop in over.rims)
     edge = float(np.median(np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1)))
     if rims and np.isfinite(over.period).any():
@@ -269,8 +265,17 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
         own = np.array(polygons)
         quads = _joined_corners(uv, own, over, [np.argmin(over.uv[:, 1]), np.argmax(over.uv[:, 1])])
     creases = () if mesh is None else mesh.lines()
-    given = DesignMesh(vertices, polygons, uv, wanted, notes)
+    given = DesignMesh(vertices, polygons, wanted, facets, notes)
     return Design(fitted.surface, rims, fitted.deviation, notes=notes, quads=quads, mesh=given, creases=creases)
+
+
+def _facet_deviation(surface: SplineSurface, vertices: FloatArray, faces: IntArray, uv: FloatArray) -> float:
+    """Return how far the middles of the edges of a mesh are at most from the surface through its vertices, with parameters (n, 2) [L]."""
+    sides = edge_faces(faces)[:, :2]
+    middles = vertices[sides].mean(axis=1)
+    # Searches start from both ends, as parameters may close in between.
+    feet = [surface.at(surface.foot(middles, uv[sides[:, end]])) for end in (0, 1)]
+    return float(np.minimum(*(np.linalg.norm(middles - foot, axis=1) for foot in feet)).max(initial=0.0))
 
 
 def _creased(faces: IntArray, over: Unwrapped, sharp: Edges) -> Optional[CreasedMesh]:

@@ -80,10 +80,10 @@ class Rationalised:
         """Signed distance of every vertex from the design [L]."""
         return distance_from(self.design.surface, self.panelling, self.result.vertices)
 
-    @cached_property
+    @property
     def facet_deviation(self) -> Optional[float]:
         """How far the faces of the mesh of the design are from the smooth surface through its vertices [L], None if it is no mesh."""
-        return self.design.facet_deviation()
+        return None if self.design.mesh is None else self.design.mesh.facet_deviation
 
     @cached_property
     def folds(self) -> Folds:

@@ -373,7 +373,18 @@ def test_faces_beside_the_seam_of_a_closed_mesh_are_no_farther_from_it():
     angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
     vertices = [[3.0 * np.cos(own), 3.0 * np.sin(own), height] for height in range(7) for own in angles]
     quads = [[24 * i + j, 24 * i + (j + 1) % 24, 24 * i + 24 + (j + 1) % 24, 24 * i + 24 + j] for i in range(6) for j in range(24)]
-    assert read_design((vertices, quads)).facet_deviation() == pytest.approx(3.0 * (1.0 - np.cos(np.pi / 24.0)), rel=0.02)
+    assert read_design((vertices, quads)).mesh.facet_deviation == pytest.approx(3.0 * (1.0 - np.cos(np.pi / 24.0)), rel=0.02)
+
+
+def test_a_square_ring_of_pipe_with_four_corners_is_refused():
+    """The smooth surface through so few vertices is a round ring, far from the faces."""
+    vertices = []
+    for x, y in ((-10.0, -7.0), (10.0, -7.0), (10.0, 7.0), (-10.0, 7.0)):
+        outwards = np.array([x, y]) / np.hypot(x, y)
+        vertices += [[*([x, y] + 2.0 * np.cos(own) * outwards), 2.0 * np.sin(own)] for own in np.pi * np.array([0.25, 0.75, 1.25, 1.75])]
+    quads = [[4 * i + j, 4 * i + (j + 1) % 4, 4 * ((i + 1) % 4) + (j + 1) % 4, 4 * ((i + 1) % 4) + j] for i in range(4) for j in range(4)]
+    with pytest.raises(MeshError, match=r"the faces of the mesh are up to .* too coarse: refine it"):
+        read_design((vertices, quads))
 
 
 def test_a_cylinder_that_is_rounded_comes_off_one_flat_mould():
