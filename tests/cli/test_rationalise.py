@@ -64,6 +64,26 @@ def test_a_design_becomes_panels_with_a_report_and_is_read_by_the_mould_command(
     assert read(out) is not None
 
 
+def test_costs_and_weights_of_the_command_line_decide(design, tmp_path, capsys):
+    report = tmp_path / "panels.json"
+    command = ["rationalise", str(design), "-o", str(tmp_path / "panels.3dm"), "--panel", "2", "--edges", "4", "--report", str(report)]
+    prices = ["--cost", "flat", "0", "1000", "--cost", "sphere", "50", "400", "--cost", "saddle", "9000", "700"]
+    assert main([*command, "--within", "500mm", *prices]) == 0
+    assert json.loads(report.read_text(encoding="utf-8"))["costs"] == {"moulds": 50.0, "panels": 3200.0}
+    assert "costs: 3,250, moulds 50 and panels 3,200" in capsys.readouterr().out
+    assert main([*command, "--moulds", "2", "--weight", "4", "2", "1", "1.5", "10", "--sweep", "1", *prices]) == 0
+    record = json.loads(report.read_text(encoding="utf-8"))
+    assert record["weighted_distance"] > record["distance"]["max"] > 0.0
+    table = (tmp_path / "panels.csv").read_text(encoding="utf-8").splitlines()
+    assert table[0].split(",")[-2:] == ["costs", "status"] and table[1].split(",")[-2] == "8000.0"
+    for wrong, sentence in (
+        (["--cost", "sphere", "dear", "450"], "two numbers"),
+        (["--cost", "flat", "0", "1"], "costs must be given for"),
+    ):
+        assert main([*command, *wrong]) == REFUSED
+        assert sentence in capsys.readouterr().err
+
+
 def test_a_second_run_keeps_moulds_and_locked_panels(skew_design, tmp_path, capsys):
     def run(name, *more):
         command = ["rationalise", str(skew_design), "-o", str(tmp_path / f"{name}.3dm"), "--panel", "2", "--edges", "4"]
