@@ -57,6 +57,11 @@ class KeyMarks(NamedTuple):
         """Right end of the lines [unit of the picture]."""
         return max(float(line[:, 0].max()) for line in self.lines)
 
+    @property
+    def left(self) -> float:
+        """Left end of the lines and texts [unit of the picture]."""
+        return min(float(at) for at in (*(line[:, 0].min() for line in self.lines), *(place[0] for _, place in self.texts)))
+
     def moved(self, by: FloatArray) -> KeyMarks:
         """Return the marks at another place."""
         return KeyMarks([line + by for line in self.lines], [(text, place + by) for text, place in self.texts])
@@ -117,7 +122,9 @@ def draw_key(key: Key, width: float, scale: float, height: float, axes: FloatArr
     lines, texts, row = list(marks.lines), list(marks.texts), 0
     if key.north is not None:
         towards = axes @ [*(np.array(key.north) / np.linalg.norm(key.north)), 0.0]
-        arrow = north_arrow(towards, height).moved(np.array([right + height, 0.0]))
+        arrow = north_arrow(towards, height)
+        # An arrow to the left, in an elevation, begins with its letter.
+        arrow = arrow.moved(np.array([right + max(height, -arrow.left), 0.0]))
         lines, texts = [*lines, *arrow.lines], [*texts, *arrow.texts]
         right = max([arrow.right, *(float(place[0]) + LETTER_WIDTH * height * len(text) for text, place in arrow.texts)]) + 2.0 * height
     for words in key.words:

@@ -49,6 +49,13 @@ def test_the_arrow_points_where_north_is_in_the_view(view):
     assert along / np.linalg.norm(along) == pytest.approx(seen / np.linalg.norm(seen))
 
 
+def test_an_arrow_to_the_left_keeps_clear_of_the_scale_bar():
+    """North lies to the left of a viewer in the west."""
+    marks = draw_key(Key("mm"), 10_000.0, 1.0, 100.0, np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
+    (length, start), (north, letter) = marks.texts[:2]
+    assert north == "N" and letter[0] > start[0] + 0.8 * 100.0 * len(length)
+
+
 @pytest.mark.parametrize("azimuth, words", [(-90.0, "N: away from the viewer"), (90.0, "N: towards the viewer")])
 def test_north_along_the_line_of_sight_is_a_word(azimuth, words):
     assert words in [text for text, _ in draw_key(Key("m"), 100.0, 1.0, 2.0, view_axes(View(azimuth, 0.0))).texts]
