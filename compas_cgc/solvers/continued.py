@@ -15,7 +15,7 @@ from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.result import SolveState
 from ..model.verdict import verdict
-from .between_creases import between_creases
+from .between_lines import between_lines
 from .choices import Choice
 from .choices import choose
 from .polish.polisher import polish
@@ -57,7 +57,7 @@ def solved_on(
     own = settings_of(METHODS[first.method], settings)
     if first.then:
         # These do not depend on a start.
-        between = between_creases(drawn, first, settings, callback)
+        between = between_lines(drawn, first, settings, callback)
         if between is not None:
             return between
     if first.method == "bending":

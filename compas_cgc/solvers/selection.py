@@ -18,7 +18,7 @@ from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.verdict import verdict
 from .allowance import Allowance
-from .between_creases import between_creases
+from .between_lines import between_lines
 from .choices import Choice
 from .choices import choose
 from .determined import determining
@@ -120,7 +120,7 @@ class _Attempt(NamedTuple):
     def solved(self, posed: CGCProblem, problem: CGCProblem) -> Solution:
         """Return the solution of a problem as it is posed to the method, which may be flipped, with a verdict where it has arrived."""
         if self.choice.then:
-            creased = between_creases(problem, self.choice, self.settings, self.callback)
+            creased = between_lines(problem, self.choice, self.settings, self.callback)
             if creased is not None:
                 return creased
         method, options = METHODS[self.choice.method], self.choice.options

@@ -41,7 +41,7 @@ INSIDE = {
         {"flow", "limits"},
         {"reasons", "registry"},
         {"choices", "running"},
-        {"between_creases"},
+        {"between_lines"},
         {"selection"},
         {"continued"},
         {"run", "sensitivity"},

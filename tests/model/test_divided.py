@@ -9,7 +9,7 @@ from compas_cgc import CGCMesh
 from compas_cgc import Rise
 from compas_cgc.discrete import face_areas
 from compas_cgc.discrete import face_normals
-from compas_cgc.model.quartered import quartered
+from compas_cgc.model.divided import quartered
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import FIXED
 

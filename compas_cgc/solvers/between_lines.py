@@ -13,7 +13,7 @@ from ..errors import joined
 from ..model.goals.binding import unknown_constants
 from ..model.goals.inequalities import Bound
 from ..model.problem import CGCProblem
-from ..model.quartered import quartered
+from ..model.divided import quartered
 from ..model.recorder import Callback
 from ..model.result import Solution
 from .choices import Choice
@@ -29,7 +29,7 @@ from .running import judged
 from .running import run_method
 from .settings import Settings
 
-__all__ = ["between_creases"]
+__all__ = ["between_lines"]
 
 EVEN = 600  # vertices of the even triangles on which creases are found
 FINENESS = 64  # vertices, for one of these, of the mesh from whose edges theirs are taken, so that they are evenly spaced
@@ -37,7 +37,7 @@ CORRECTIONS = 8  # of goals; every one leaves about a tenth of what was missed
 ROUNDED = 1e-10  # what goals are missed by, against their numbers or the size, that is rounding
 
 
-def between_creases(problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
+def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
     """Return the fair surface between the creases of one that bends and folds least, or what is there when cancelled; else None.
 
     Creases are found by the method of a choice on even triangles of a given number, so that they rise alike on every mesh: towards a
