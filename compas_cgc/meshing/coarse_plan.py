@@ -24,7 +24,7 @@ from .creases import crease_paths
 from .edge_flips import Diagonals
 from .edge_flips import flipped
 
-__all__ = ["CoarsePlan", "coarse_plan"]
+__all__ = ["CoarsePlan", "coarse_plan", "cut_at_turns"]
 
 MIN_TURN = np.radians(30.0)  # turn of a line above which its vertex is kept
 MAX_BENDING = np.radians(12.0)  # largest turn of a line between two kept vertices
@@ -117,13 +117,23 @@ def _segments(plan: FloatArray, edges: Edges, kept: Mask, step: float) -> list[I
     """Return the remaining vertices of every line between two kept ones."""
     thinned = []
     for path in crease_paths({(min(u, v), max(u, v)) for u, v in edges.tolist()}):
-        for part in _split(plan, np.array(path), kept):
+        for part in cut_at_turns(plan, np.array(path), kept):
             thinned.append(_thinned(plan[part], part, step))
     return thinned
 
 
-def _split(plan: FloatArray, path: Indices, kept: Mask) -> list[Indices]:
-    """Return a path cut at kept vertices and where it turns."""
+def cut_at_turns(plan: FloatArray, path: Indices, kept: Mask) -> list[Indices]:
+    """Return a path cut where it turns sharply, and at other vertices.
+
+    Parameters
+    ----------
+    plan
+        ``(n, d)`` vertices [L].
+    path
+        ``(k,)`` vertices; the last is the first if it is closed.
+    kept
+        ``(n,)`` mask of the other vertices.
+    """
     closed = path[0] == path[-1]
     turn = _turns(plan[path], closed)
     at = np.flatnonzero((turn > MIN_TURN) | kept[path])
@@ -137,12 +147,13 @@ def _split(plan: FloatArray, path: Indices, kept: Mask) -> list[Indices]:
 
 
 def _turns(points: FloatArray, closed: bool) -> FloatArray:
-    """Return the angle by which a polyline (p, 2) turns at each of its points [rad]."""
+    """Return the angle by which a polyline (p, d) turns at each of its points [rad]."""
     ahead = np.diff(points, axis=0)
-    angle = np.arctan2(ahead[:, 1], ahead[:, 0])
-    turn = np.abs((np.diff(angle) + np.pi) % (2 * np.pi) - np.pi)
-    ends = abs((angle[0] - angle[-1] + np.pi) % (2 * np.pi) - np.pi) if closed else 0.0
-    return np.concatenate([[ends], turn, [ends]])
+    before = np.roll(ahead, 1, axis=0)
+    across = np.einsum("px,px->p", ahead, before)
+    squares = np.einsum("px,px->p", ahead, ahead) * np.einsum("px,px->p", before, before)
+    turn = np.arctan2(np.sqrt(np.maximum(squares - across**2, 0.0)), across)
+    return np.concatenate([[turn[0] if closed else 0.0], turn[1:], [turn[0] if closed else 0.0]])
 
 
 def _thinned(points: FloatArray, path: Indices, step: float) -> Indices:

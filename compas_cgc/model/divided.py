@@ -1,60 +1,93 @@
-"""The same problem on a mesh with every face divided in four."""
+"""The same problem on a mesh with short edges along its rim and creases."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..discrete import edge_faces
+from ..discrete.arrays import IntArray
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
-from .roles import INTERNAL
 
-__all__ = ["quartered"]
+__all__ = ["with_short_lines"]
+
+# The children of a face (a, b, c) whose edges ab, bc, ca have the middles 3, 4, 5, for the first one, two or three of these.
+CHILDREN = {1: ((0, 3, 2), (3, 1, 2)), 2: ((3, 1, 4), (0, 3, 4), (0, 4, 2)), 3: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))}
 
 
-def quartered(problem: CGCProblem) -> CGCProblem:
-    """Return a problem with a vertex at the middle of every edge, after its own, which keep their indices.
+def with_short_lines(problem: CGCProblem, longest: float) -> CGCProblem:
+    """Return a problem whose edges along its rim, its creases and lines of supports are halved until none is longer than a length [L].
+
+    Vertices and regions keep their numbers. Goals stay those of the problem's own vertices.
 
     Parameters
     ----------
     problem
-        Without dummies and laws. Goals stay those of its own vertices.
+        Without dummies and laws.
+    longest
+        Length [L].
     """
+    while True:
+        edges = _lines(problem)
+        u, v = edges.T
+        long = np.linalg.norm(problem.vertices[v] - problem.vertices[u], axis=1) > longest
+        if not long.any():
+            return problem
+        problem = _halved(problem, edges[long])
+
+
+def _lines(problem: CGCProblem) -> IntArray:
+    """Return the edges (c, 2) along the rim, creases and lines of supports, each from its smaller vertex to its larger one."""
+    edges = edge_faces(problem.faces)
+    n = len(problem.vertices)
+    rim = np.zeros(n, bool)
+    rim[edges[edges[:, 3] < 0, :2]] = True
+    ends = np.sort(edges[:, :2], axis=1)
+    on_crease = np.isin(ends @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1])
+    # An edge between two supports of the rim may cross the surface.
+    held = (problem.roles[ends] == FIXED).all(axis=1) & ~rim[ends].all(axis=1)
+    return np.asarray(ends[(edges[:, 3] < 0) | on_crease | held])
+
+
+def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
+    """Return a problem with vertices at the middles of edges (e, 2), each from its smaller vertex to its larger one."""
     V, F, n = problem.vertices, problem.faces, len(problem.vertices)
-    edges = edge_faces(F)
-    ends, on_rim = edges[:, :2], edges[:, 3] < 0
-    codes = np.sort(ends, axis=1) @ [n, 1]
+    codes = edges @ [n, 1]
     order = np.argsort(codes)
 
-    def middle(pairs: np.ndarray) -> np.ndarray:
-        return np.asarray(n + order[np.searchsorted(codes, np.sort(pairs, axis=1) @ [n, 1], sorter=order)])
+    def middles(pairs: IntArray) -> IntArray:
+        """Return the vertices at the middles of edges (e, 2), -1 where there is none."""
+        wanted = np.sort(pairs, axis=1) @ [n, 1]
+        at = order[np.minimum(np.searchsorted(codes, wanted, sorter=order), len(order) - 1)]
+        return np.where(codes[at] == wanted, n + at, -1)
 
-    a, b, c = F.T
-    ab, bc, ca = (middle(np.column_stack(pair)) for pair in ((a, b), (b, c), (c, a)))
-    faces = np.vstack([np.column_stack(corners) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
-    at = middle(problem.creases)
-    creases = np.vstack([np.column_stack([problem.creases[:, 0], at]), np.column_stack([at, problem.creases[:, 1]])])
-    of_rim = (problem.roles[ends] == FIXED).all(axis=1)
-    rim = np.zeros(n, bool)
-    rim[ends[on_rim]] = True
-    roles = np.where(on_rim, FREE, INTERNAL)
+    divided = np.column_stack([middles(F[:, [k, (k + 1) % 3]]) for k in range(3)])
+    count = (divided >= 0).sum(axis=1)
+    # Turned so that the divided edges of a face are its first ones.
+    turn = np.where(count == 2, np.argmin(divided, axis=1) + 1, np.where(count == 1, np.argmax(divided, axis=1), 0)) % 3
+    by = (np.arange(3) + turn[:, None]) % 3
+    corners = np.hstack([np.take_along_axis(F, by, axis=1), np.take_along_axis(divided, by, axis=1)])
+    faces, more = F.copy(), []
+    for number, children in CHILDREN.items():
+        of = count == number
+        faces[of] = corners[of][:, children[0]]
+        more += [corners[of][:, child] for child in children[1:]]
+    between = middles(problem.creases)
+    halved = between >= 0
+    at, (start, end) = between[halved], problem.creases[halved].T
+    creases = np.vstack([problem.creases[~halved], np.column_stack([start, at]), np.column_stack([at, end])])
+    roles = np.full(len(edges), FREE)
     roles[at - n] = CREASE
-    # An edge between two supports of the rim may cross the surface.
-    roles[of_rim & (on_rim | ~rim[ends].all(axis=1))] = FIXED
-    known = problem.asked[ends] & np.isfinite(problem.targets[ends])
-    own = np.where(known, problem.targets[ends], 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1)
-    # Beside the end of a crease the nearest vertex where K is asked for may lie beyond it, and a region may have none.
-    regions, elsewhere = problem.regions(), problem.face_targets().copy()
-    for region, K in enumerate(problem.region_targets()):
-        within = problem.targets[problem.region_vertices(region) & problem.asked]
-        if K is not None or len(within):
-            elsewhere[regions == region] = within.mean() if K is None else K
-    targets = np.where(known.any(axis=1), own, elsewhere[edges[:, 2]])
+    roles[(problem.roles[edges] == FIXED).all(axis=1)] = FIXED
+    # Beside the end of a crease the other end is of the region.
+    told = problem.roles[edges] != CREASE
+    told |= ~told.any(axis=1)[:, None]
+    targets = np.where(told, problem.targets[edges], 0.0).sum(axis=1) / told.sum(axis=1)
     return CGCProblem(
-        np.vstack([V, V[ends].mean(axis=1)]),
-        faces,
+        np.vstack([V, V[edges].mean(axis=1)]),
+        np.vstack([faces, *more]),
         np.concatenate([problem.roles, roles]),
         np.concatenate([problem.targets, targets]),
         creases=creases,

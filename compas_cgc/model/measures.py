@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..discrete import boundary_vertices
+from ..discrete import edge_faces
 from ..discrete import gaussian_curvature
 from ..discrete import vertex_areas
 from ..discrete.arrays import IntArray
@@ -22,16 +25,19 @@ from .inward_edges import MIN_CORNER
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
+from .roles import FREE
 
 __all__ = [
     "MID_EDGE",
     "has_free_edges",
     "inward_supports",
     "is_held_all_round",
+    "is_held_along_edges",
     "measure_of",
     "measured_curvature",
     "measured_mean_curvature",
     "read_across",
+    "with_free_edges_held",
 ]
 
 MID_EDGE = "mid-edge"
@@ -42,7 +48,7 @@ def measure_of(problem: CGCProblem) -> str:
     origin = problem.origin
     if origin is not None and origin.measure and len(origin.vertices) == len(problem.vertices):
         return origin.measure
-    return "smooth" if any(is_held_all_round(problem, folded) for folded in (False, True)) else MID_EDGE
+    return "smooth" if is_held_all_round(problem) or is_held_along_edges(problem) else MID_EDGE
 
 
 def measured_curvature(problem: CGCProblem, measure: str = "") -> PerVertex:
@@ -91,10 +97,12 @@ def read_across(problem: CGCProblem) -> IntArray:
     """Return the triangles (m, 3) on which the smooth measure reads K.
 
     They are those of the problem except for faces with three fixed vertices in a corner. There the diagonal is flipped so that
-    it runs into the corner, because a face between supports stays flat whatever the surface.
+    it runs into the corner, because a face between supports stays flat whatever the surface. Where regions are determined by their lines,
+    see :func:`is_held_along_edges`, those on free edges count as fixed.
     """
     real, faces = problem.real_faces, problem.faces.copy()
     held = with_level_edges_held(problem).roles == FIXED
+    held |= (problem.roles == FREE) & is_held_along_edges(problem)
     faces[real] = turned_corners(problem.vertices, faces[real], held, problem.creases)
     return faces
 
@@ -115,8 +123,13 @@ def inward_supports(problem: CGCProblem) -> list[int]:
     return sorted(found)
 
 
-def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
-    """Return whether the whole rim is held, K̄ > 0 everywhere, and there are creases or, by default, none.
+def with_free_edges_held(problem: CGCProblem) -> CGCProblem:
+    """Return a problem whose free edges are held where they are."""
+    return replace(problem, roles=np.where(problem.roles == FREE, FIXED, problem.roles))
+
+
+def is_held_all_round(problem: CGCProblem) -> bool:
+    """Return whether the whole rim is held, there are no creases, and K̄ > 0 everywhere, so that these determine the surface.
 
     Towards a straight fixed edge one principal curvature is unbounded there. Bending energy is infinite and angle defects are of first
     order in the length of edges, whereas the smooth measure is of order 1.5.
@@ -124,5 +137,17 @@ def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
     problem = with_level_edges_held(problem.without_dummies())
     rim = boundary_vertices(problem.vertices, problem.faces)
     held = bool((problem.roles[rim] == FIXED).all() and rim.any())
+    return held and not (problem.roles == CREASE).any() and _is_elliptic(problem)
+
+
+def is_held_along_edges(problem: CGCProblem) -> bool:
+    """Return whether edges of the rim are held, there are creases or free edges to be found, and K̄ > 0 everywhere."""
+    problem = with_level_edges_held(problem.without_dummies())
+    edges = edge_faces(problem.faces)
+    held = (problem.roles[edges[edges[:, 3] < 0, :2]] == FIXED).all(axis=1)
+    return bool(held.any()) and not (held.all() and not (problem.roles == CREASE).any()) and _is_elliptic(problem)
+
+
+def _is_elliptic(problem: CGCProblem) -> bool:
     targets = problem.targets[problem.asked]
-    return held and bool((problem.roles == CREASE).any()) is folded and bool(len(targets) and (targets > 0).all())
+    return bool(len(targets) and (targets > 0).all())

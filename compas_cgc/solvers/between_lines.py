@@ -1,56 +1,75 @@
-"""Held roofs that fold: creases from even triangles of a given number, and the one surface that rim and K determine between them."""
+"""Roofs with held edges and K > 0: creases and free edges from even triangles of a given number, and the one surface between them."""
 
 from __future__ import annotations
 
-from functools import partial
+import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Optional
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ..discrete import edge_faces
+from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
 from ..errors import joined
+from ..meshing.coarse_plan import cut_at_turns
+from ..meshing.creases import crease_paths
+from ..model.divided import with_short_lines
 from ..model.goals.binding import unknown_constants
 from ..model.goals.inequalities import Bound
+from ..model.measures import has_free_edges
+from ..model.measures import with_free_edges_held
 from ..model.problem import CGCProblem
-from ..model.divided import quartered
 from ..model.recorder import Callback
 from ..model.result import Solution
+from ..model.roles import FIXED
+from .choices import ALONG_EDGES
 from .choices import Choice
 from .coarse import Coarse
 from .coarse import laid_out_anew
 from .determined import missed_goal
-from .determined import with_missed_added
+from .determined import numbers_of
+from .determined import numbers_on
+from .determined import with_numbers
 from .drawn_side import is_drawn_below
+from .polish.derivatives import moves_by_constants
 from .polish.polisher import polish
+from .polish.settings import PolishSettings
 from .registry import METHODS
 from .registry import settings_of
 from .running import judged
 from .running import run_method
 from .settings import Settings
 
-__all__ = ["between_lines"]
+__all__ = ["between_lines", "moves_of_lines"]
 
-EVEN = 600  # vertices of the even triangles on which creases are found
-FINENESS = 64  # vertices, for one of these, of the mesh from whose edges theirs are taken, so that they are evenly spaced
-CORRECTIONS = 8  # of goals; every one leaves about a tenth of what was missed
+EVEN = 600  # vertices of the even triangles on which lines are found
+PLACES = 16  # on a line, for an edge of these triangles, from which their vertices are taken, so that they are evenly spaced
+CORRECTIONS = 8  # of goals; the first leaves about a tenth of what was missed
+WAYS = (  # shares of the fold length and of K̄ that are solved for one after the other
+    ((1.0, 1.0), (1.0, 0.8), (1.0, 1.0)),
+    ((0.3, 1.0), (1.0, 1.0), (1.0, 0.8), (1.0, 1.0)),
+)
 ROUNDED = 1e-10  # what goals are missed by, against their numbers or the size, that is rounding
 
 
 def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
-    """Return the fair surface between the creases of one that bends and folds least, or what is there when cancelled; else None.
+    """Return the fair surface between the creases and free edges of one that bends and folds least; else None.
 
-    Creases are found by the method of a choice on even triangles of a given number, so that they rise alike on every mesh: towards a
+    These lines are found by the method of a choice on even triangles of a given number, so that they rise alike on every mesh: towards a
     straight fixed edge one principal curvature is unbounded where K̄ > 0, and bending energy with it. The regions between them are
     solved on the mesh itself. Goals that determine unknown K are asked for with what they miss there added, until they are met
-    (deferred correction).
+    (deferred correction by secants). What is there when cancelled is returned, too.
 
     Parameters
     ----------
     problem
-        With a rim that is held all round, creases, and K̄ > 0.
+        With held edges, creases or free edges, and K̄ > 0.
     choice
-        How creases are found, and then the regions.
+        How lines are found, and then the regions.
     settings
         That all methods have.
     callback
@@ -59,104 +78,158 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
     # Goals that are met anyway change nothing. Others need unknown K: creases pulled at a few vertices snap from shape to shape.
     needed = [goal for goal in problem.goals if not isinstance(goal, Bound)] if unknown_constants(problem) else []
     asked = problem.with_goals(needed, add=False)
-    even = _creased(asked)
-    # Without a plan the mesh itself has to do.
+    even = _on_even_triangles(asked)
+    if even is None and has_free_edges(problem):
+        return None
+    # Within a rim without a plan the mesh itself has to do.
     posed, shown = (asked, callback) if even is None else (even.problem, even.shown(callback))
     best: Optional[Solution] = None
+    numbers = wanted = numbers_of(asked)
+    before: Optional[tuple[FloatArray, FloatArray]] = None
     for _ in range(CORRECTIONS):
-        found = _bent(posed, choice, settings, shown)
-        found = found if even is None else even.carried(found)
+        bent = _bent(posed, choice, settings, shown)
+        found = bent if even is None else even.carried(bent)
         if found.status == "cancelled":
             return found
         between = None if found.status != "converged" else _between(found, problem, choice, settings, callback)
         if between is None or between.status == "cancelled":
             return between
+        met = missed_goal(asked, between) is None
         # A last correction where goals are met leaves rounding.
-        corrected = None
-        if missed_goal(asked, between, ROUNDED) is not None and best is None:
-            corrected = with_missed_added(posed, asked, between.vertices)
-        if missed_goal(asked, between) is None:
-            best = between
-        if corrected is None:
+        last = best is not None or missed_goal(asked, between, ROUNDED) is None
+        best = between if met else best
+        if last or numbers is None or wanted is None:
             break
-        posed = corrected
+        had = numbers_on(asked, between.vertices)
+        numbers, before = numbers + _gains(numbers, had, before) * (wanted - had), (numbers, had)
+        posed = with_numbers(bent.with_found(posed), numbers)
     return best if best is not None and missed_goal(problem, best) is None else None
 
 
-def _bent(posed: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Solution:
-    """Return the surface that bends and folds least: without goals, of two ways the one that ends with less energy.
+def _gains(asked: FloatArray, had: FloatArray, before: Optional[tuple[FloatArray, FloatArray]]) -> FloatArray:
+    """Return how much more is to be asked for one more of every number (g,): as much at first, later as between two surfaces."""
+    if before is None:
+        return np.ones(len(asked))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gains = (asked - before[0]) / (had - before[1])
+    return np.where(np.isfinite(gains) & (gains > 0.0), gains, 1.0)
 
-    On a long way folds may snap through at single vertices. Half of K̄ is on the second way.
+
+def moves_of_lines(drawn: CGCProblem, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
+    """Return the derivatives of creases and free edges by the K of regions, as moves (n, 3) that are zero elsewhere [L^3].
+
+    Parameters
+    ----------
+    drawn
+        The drawing, with K given.
+    regions
+        Their numbers.
+
+    Returns
+    -------
+    dict or None
+        By region; None where :func:`between_lines` finds no lines.
     """
-    run = partial(run_method, METHODS[choice.method], settings=settings, options=choice.options, callback=callback)
-    straight = run(posed)
-    if posed.goals or straight.status != "converged":
-        return straight
-    half = run(posed.with_targets(0.5 * posed.targets))
-    if half.status != "converged":
-        return half if half.status == "cancelled" else straight
-    own = settings_of(METHODS[choice.method], settings)
-    other = polish(posed, settings=own, start=half.vertices, callback=callback)  # type: ignore[arg-type]
-    if other.status != "converged":
-        return other if other.status == "cancelled" else straight
-    return min(straight, other, key=lambda one: one.branches[0].energy)
+    even = _on_even_triangles(drawn.with_goals([], add=False))
+    if even is None:
+        return None
+    found = _bent(even.problem, ALONG_EDGES, None, None)
+    if found.status != "converged":
+        return None
+    here, inside = even.carried(found).vertices, drawn.asked
+    result = {}
+    for region in regions:
+        moves = sum(moves_by_constants(even.problem, PolishSettings(), found.vertices, even.regions[region]).values())
+        result[region] = np.where(inside[:, None], 0.0, even.carried(found._replace(vertices=found.vertices + moves)).vertices - here)
+    return result
+
+
+def _bent(posed: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Solution:
+    """Return the surface that bends and folds least, with creases and without goals the one with the least energy that two ways lead to.
+
+    On the long way from the plate folds may snap through at single vertices. They snap back on a way to less K and back, and fewer do
+    where creases are stiff at first.
+    """
+    if posed.goals or not len(posed.creases):
+        return run_method(METHODS[choice.method], posed, settings=settings, options=choice.options, callback=callback)
+    given: PolishSettings = settings_of(METHODS["bending"], settings)  # type: ignore[assignment]
+    found: list[Solution] = []
+    for way in WAYS:
+        last: Optional[Solution] = None
+        for folds, part in way:
+            own = replace(given, fold_length=folds * given.fold_length)
+            start = None if last is None else last.vertices
+            last = polish(posed.with_targets(part * posed.targets), settings=own, start=start, callback=callback)
+            if last.status != "converged":
+                break
+            found += [last] * (folds == part == 1.0)
+        if last is not None and (last.status == "cancelled" or not found):
+            return last
+    return min(found, key=lambda one: one.branches[0].energy)
 
 
 def _between(
     solution: Solution, problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback
 ) -> Optional[Solution]:
-    """Return the fair surface with the K and the creases of a solution, or what is there when cancelled; else None."""
+    """Return the fair surface with the K, the creases and the free edges of a solution, or what is there when cancelled; else None."""
     posed = solution.with_found(problem).with_goals([], add=False)
-    found = posed.with_vertices(solution.vertices)
-    found = found.with_opposite_normals() if is_drawn_below(found) else found
+    held = with_free_edges_held(posed.with_vertices(solution.vertices))
+    held = held.with_opposite_normals() if is_drawn_below(held) else held
     for then in choice.then:
-        own = judged(run_method(METHODS[then.method], found, settings=settings, options=then.options, callback=callback), posed, callback)
+        own = judged(run_method(METHODS[then.method], held, settings=settings, options=then.options, callback=callback), posed, callback)
         if own.is_fair:
-            message = joined([own.message, "between the creases of a surface that bends and folds least"], " ")
+            lines = " and ".join(["creases"] * bool(len(problem.creases)) + ["free edges"] * has_free_edges(problem))
+            message = joined([own.message, f"between the {lines} of a surface that bends and folds least"], " ")
             return own._replace(message=message, targets=solution.targets)
         if own.status == "cancelled":
             return own
     return None
 
 
-class _Creased:
-    """A problem on even triangles that do not depend on those of the drawing, and the way back along its creases.
+class _Even:
+    """A problem on even triangles that do not depend on those of the drawing, and the way back along its lines."""
 
-    Towards a straight fixed edge one principal curvature is unbounded where K̄ > 0, and bending energy with it: on ever finer meshes
-    creases that bend and fold least would rise without end. On even triangles of a given number they rise alike for every mesh.
-    """
-
-    def __init__(self, problem: CGCProblem, fine: CGCProblem, even: Coarse):
+    def __init__(self, drawn: CGCProblem, fine: CGCProblem, even: Coarse):
         self.problem = even.problem
-        self._drawn, self._fine, self._even = problem, fine, even
+        self.regions = even.regions
+        self._count, self._fine, self._even = len(drawn.vertices), fine, even
 
     def shown(self, callback: Callback) -> Callback:
         """Return what shows the surfaces of the even triangles on the mesh itself."""
         if callback is None:
             return None
-        count = len(self._drawn.vertices)
-        return lambda state: callback(state._replace(vertices=self._even.carried(state.vertices, anew=True)[:count]))
+        return lambda state: callback(state._replace(vertices=self._even.carried(state.vertices, anew=True)[: self._count]))
 
     def carried(self, solution: Solution) -> Solution:
-        """Return a solution on the even triangles as one on the mesh itself: along creases it is that of splines."""
-        count, own = len(self._drawn.vertices), len(self._even.kept)
+        """Return a solution on the even triangles as one on the mesh itself: along lines it is that of splines."""
+        own = len(self._even.kept)
         vertices, plan = self._even.carried(solution.vertices, anew=True), self._even.flat
         moved = np.full(vertices.shape, np.nan)
         moved[self._even.kept] = solution.vertices[:own] - plan[self._even.kept]
-        for path in self._fine.crease_paths():
+        for path in _lines(self._fine, plan):
             vertices[path] = plan[path] + _along(plan[path], moved[path])
         vertices[~self._fine.movable] = self._fine.vertices[~self._fine.movable]
-        targets = None if solution.targets is None else self._even.carried_targets(solution.targets)[:count]
-        return solution._replace(vertices=vertices[:count], targets=targets, verdict=None, branches=())
+        targets = None if solution.targets is None else self._even.carried_targets(solution.targets)[: self._count]
+        return solution._replace(vertices=vertices[: self._count], targets=targets, verdict=None, branches=())
 
 
-def _creased(problem: CGCProblem) -> Optional[_Creased]:
+def _on_even_triangles(problem: CGCProblem) -> Optional[_Even]:
     """Return a problem on even triangles; None where the drawing has no plan, or lines too close for so few triangles."""
-    fine = problem
-    while len(fine.vertices) < FINENESS * EVEN:
-        fine = quartered(fine)
+    if not problem.real_faces.all():
+        return None
+    area = float(face_areas(problem.vertices, problem.faces).sum())
+    fine = with_short_lines(problem, math.sqrt(area / EVEN) / PLACES)
     even = laid_out_anew(fine, EVEN)
-    return None if even is None else _Creased(problem, fine, even)
+    return None if even is None else _Even(problem, fine, even)
+
+
+def _lines(problem: CGCProblem, plan: FloatArray) -> list[Indices]:
+    """Return the paths along creases and free edges, which end where these meet, turn, or are supported."""
+    edges = edge_faces(problem.faces)
+    rim = edges[edges[:, 3] < 0, :2]
+    held = problem.roles == FIXED
+    loose = np.vstack([problem.creases, rim[~held[rim].all(axis=1)]])
+    return [part for path in crease_paths(map(tuple, loose.tolist())) for part in cut_at_turns(plan, np.array(path), held)]
 
 
 def _along(points: FloatArray, moved: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from ..model.goals.binding import held_by_newton
 from ..model.goals.binding import without_constants
 from ..model.measures import has_free_edges
 from ..model.measures import is_held_all_round
+from ..model.measures import is_held_along_edges
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from .determined import determining
@@ -24,7 +25,7 @@ from .registry import METHODS
 from .registry import method_of
 from .settings import Settings
 
-__all__ = ["Choice", "choose"]
+__all__ = ["ALONG_EDGES", "Choice", "choose"]
 
 
 class Choice(NamedTuple):
@@ -33,7 +34,7 @@ class Choice(NamedTuple):
     method: str
     reason: str
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    then: tuple[Choice, ...] = ()  # how the regions are solved between the creases that were found, the best first
+    then: tuple[Choice, ...] = ()  # how the regions are solved between the lines that were found, the best first
 
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
@@ -49,8 +50,8 @@ SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
 BETWEEN = (RIM, PLAIN_RIM)
-DETERMINED = "the whole rim is fixed, and K̄ > 0 determines regions between creases that bend and fold least"
-FOLDED_RIM = Choice("bending", DETERMINED, then=BETWEEN)
+DETERMINED = "K̄ > 0 determines regions between fixed edges, creases and free edges that bend and fold least"
+ALONG_EDGES = Choice("bending", DETERMINED, then=BETWEEN)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K", SMOOTH)
 PLAIN_UNKNOWN = Choice("newton", "one goal determines one unknown K, and the smooth measure does not converge")
 
@@ -82,23 +83,22 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         if held_by_newton(problem):
             return [ONE_UNKNOWN, PLAIN_UNKNOWN, GOALS]
-        folded = is_held_all_round(problem, folded=True)
+        then = BETWEEN if is_held_along_edges(problem) else ()
         if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
-            return [SOUGHT._replace(then=BETWEEN) if folded else SOUGHT, GOALS]
+            return [SOUGHT._replace(then=then), GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.
         loose = has_free_edges(problem) or len(problem.creases)
         if not loose or not takes_goals(problem) or keeps_shape(problem):
             return [GOALS]
-        return [MEETS._replace(then=BETWEEN) if folded else MEETS, GOALS]
+        return [MEETS._replace(then=then), GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]
     if is_held_all_round(problem):
         return [RIM, PLAIN_RIM, BENDING]
-    if is_held_all_round(problem, folded=True):
-        return [FOLDED_RIM, HELD]
-    if not has_free_edges(problem) and not len(problem.creases):
-        return [HELD, BENDING]
+    loose, along = has_free_edges(problem), is_held_along_edges(problem)
+    if not loose and (along or not len(problem.creases)):
+        return [ALONG_EDGES, HELD] if along else [HELD, BENDING]
     if keeps_shape(problem):
         return [DRAWN, BENDING]
-    return [BENDING]
+    return [ALONG_EDGES if along else BENDING]

@@ -30,7 +30,6 @@ from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import DUMMY
 from ..model.roles import FIXED
-from ..model.roles import FREE
 from ..model.roles import INTERNAL
 
 __all__ = ["Coarse", "coarsened", "laid_out_anew", "plan_of"]
@@ -68,6 +67,7 @@ class Coarse:
         up: FloatArray,
     ):
         self.problem, self.kept = problem, kept
+        self.regions = _regions(problem, regions[0])  # on the coarser mesh, for each of the finer one
         self._fine, self._up = fine, up
         self._parts = [
             (here, there, CarryOver(plans[0][here], plans[1][there]))
@@ -171,21 +171,22 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
 def _posed(problem: CGCProblem, found: CoarsePlan, here: Mask) -> CGCProblem:
     """Return the problem on a coarser mesh, whose vertices belong to regions (k, r)."""
     corners, asked = problem.faces[found.within], problem.asked
-    # A target between vertices is theirs, without those where none is.
+    # A target between vertices is theirs, without those where none is; else that of the region.
     heard = found.weights * asked[corners]
     told = heard.any(axis=1)
     heard = heard / np.where(told, heard.sum(axis=1), 1.0)[:, None]
     theirs = np.where(asked, problem.targets, 0.0)[corners]
     loudest = theirs[np.arange(len(theirs)), heard.argmax(axis=1)]
     between = loudest + np.einsum("pk,pk->p", heard, theirs - loudest[:, None])
-    inside = (found.weights * (problem.roles == INTERNAL)[corners]).any(axis=1)
+    if not told.all():
+        between = np.where(told, between, _elsewhere(problem)[found.within])
     index = np.full(len(problem.vertices), -1)
     index[found.kept] = np.arange(len(found.kept))
     lines = found.lines
     drawn = CGCProblem(
         np.vstack([problem.vertices[found.kept], np.einsum("pk,pkx->px", found.weights, problem.vertices[corners])]),
         found.faces,
-        np.concatenate([problem.roles[found.kept], np.where(inside, INTERNAL, FREE)]),
+        np.concatenate([problem.roles[found.kept], np.full(len(between), INTERNAL)]),
         np.concatenate([problem.targets[found.kept], between]),
         creases=lines[_creased(problem)[found.kept][lines].all(axis=1)],
     )
@@ -194,6 +195,17 @@ def _posed(problem: CGCProblem, found: CoarsePlan, here: Mask) -> CGCProblem:
     coarse = drawn.with_goals(goals, add=False) if goals else drawn
     laws = {region: law for number, law in problem.laws.items() for region in regions[number]}
     return coarse.with_laws(laws) if laws else coarse
+
+
+def _elsewhere(problem: CGCProblem) -> FloatArray:
+    """Return the targets of faces none of whose vertices has one (m,): the mean of their region, else that of faces beside it."""
+    # Beside the end of a crease the nearest vertex where K is asked for may lie beyond it, and a region may have none.
+    regions, targets = problem.regions(), problem.face_targets().copy()
+    for region, K in enumerate(problem.region_targets()):
+        within = problem.targets[problem.region_vertices(region) & problem.asked]
+        if K is not None or len(within):
+            targets[regions == region] = within.mean() if K is None else K
+    return targets
 
 
 def _regions(coarse: CGCProblem, here: Mask) -> list[list[int]]:
@@ -255,9 +267,12 @@ def _lines(problem: CGCProblem, fixed: Mask) -> Edges:
     u, v = edges[edges[:, 3] >= 0, :2].T
     n, creased = len(fixed), problem.roles == CREASE
     on_crease = np.isin(np.minimum(u, v) * n + np.maximum(u, v), np.sort(problem.creases, axis=1) @ [n, 1])
+    # Some creases are told by their vertices alone.
+    alone = creased.copy()
+    alone[problem.creases] = False
     rim = boundary_vertices(problem.vertices, problem.faces)
     held = fixed[u] & fixed[v] & ~(rim[u] & rim[v])
-    on = on_crease | (creased[u] & creased[v]) | held
+    on = on_crease | (creased[u] & creased[v] & (alone[u] | alone[v])) | held
     return np.column_stack([u, v])[on]
 
 

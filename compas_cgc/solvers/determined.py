@@ -30,7 +30,7 @@ from .projection.limits import number_had
 from .projection.limits import number_of
 from .projection.limits import with_number
 
-__all__ = ["determining", "held_to_goals", "missed_goal", "with_missed_added"]
+__all__ = ["determining", "held_to_goals", "missed_goal", "numbers_of", "numbers_on", "with_numbers"]
 
 MISSED = 1e-6  # of a number or of the size of the mesh, from which a goal is not met
 MEND = "ask for another K, or free a part of the rim"
@@ -109,16 +109,21 @@ def missed_goal(problem: CGCProblem, solution: Solution, within: float = MISSED)
     return None
 
 
-def with_missed_added(asked: CGCProblem, problem: CGCProblem, vertices: FloatArray) -> Optional[CGCProblem]:
-    """Return a problem whose goals ask for what those of another one miss on a surface (n, 3), too; None where one has no number."""
-    goals = []
-    for own, goal in zip(asked.goals, problem.goals):
-        if has_number(goal) and not isinstance(goal, Bound):
-            own = with_number(own, number_of(own) + number_of(goal) - number_had(problem, goal, vertices))
-        elif not isinstance(goal, (Bound, Unknown)):
-            return None
-        goals.append(own)
-    return asked.with_goals(goals, add=False)
+def numbers_of(problem: CGCProblem) -> Optional[FloatArray]:
+    """Return the numbers (g,) that goals ask for, None where another one than of unknown constants has none."""
+    goals = [goal for goal in problem.goals if not isinstance(goal, Unknown)]
+    return np.array([number_of(goal) for goal in goals]) if all(map(has_number, goals)) else None
+
+
+def numbers_on(problem: CGCProblem, vertices: FloatArray) -> FloatArray:
+    """Return the numbers (g,) that goals ask for as a surface (n, 3) has them."""
+    return np.array([number_had(problem, goal, vertices) for goal in problem.goals if not isinstance(goal, Unknown)])
+
+
+def with_numbers(problem: CGCProblem, numbers: FloatArray) -> CGCProblem:
+    """Return a problem whose goals ask for other numbers (g,)."""
+    left = iter(numbers.tolist())
+    return problem.with_goals([goal if isinstance(goal, Unknown) else with_number(goal, next(left)) for goal in problem.goals], add=False)
 
 
 def _away(problem: CGCProblem, vertices: FloatArray, size: float) -> float:

@@ -13,6 +13,7 @@ from ..errors import joined
 from ..model.goals.wholes import Unknown
 from ..model.measures import has_free_edges
 from ..model.measures import is_held_all_round
+from ..model.measures import is_held_along_edges
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
@@ -69,7 +70,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
-    held = any(is_held_all_round(problem, folded) for folded in (False, True))
+    held = is_held_all_round(problem) or (is_held_along_edges(problem) and not has_free_edges(problem))
     below = (held and is_drawn_below(problem)) or hangs(problem)
     for choice in choose(problem, settings):
         posed = problem
@@ -120,9 +121,9 @@ class _Attempt(NamedTuple):
     def solved(self, posed: CGCProblem, problem: CGCProblem) -> Solution:
         """Return the solution of a problem as it is posed to the method, which may be flipped, with a verdict where it has arrived."""
         if self.choice.then:
-            creased = between_lines(problem, self.choice, self.settings, self.callback)
-            if creased is not None:
-                return creased
+            between = between_lines(problem, self.choice, self.settings, self.callback)
+            if between is not None:
+                return between
         method, options = METHODS[self.choice.method], self.choice.options
         run = partial(run_method, method, posed, settings=self.settings, options=options, callback=self.callback)
         return judged(self.allowed.solved(run), problem, self.callback)

@@ -32,9 +32,11 @@ from ..model.goals.binding import unknown_constants
 from ..model.goals.binding import without_constants
 from ..model.laws import ConstantCurvature
 from ..model.laws import Law
+from ..model.measures import is_held_along_edges
 from ..model.measures import read_across
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
+from .between_lines import moves_of_lines
 from .projection.settings import ProjectionSettings
 
 __all__ = ["Sensitivity", "sensitivity"]
@@ -119,7 +121,8 @@ def sensitivity(result: SolveResult) -> Sensitivity:
               = \begin{pmatrix} \lambda_i \nabla A_i \\ A_i \end{pmatrix} dK,
 
     factorised once for all regions, with H the second derivative of the Lagrangian, that of the angles and areas
-    included; of a surface by Newton's method from moves along its normals. In the smooth measure what the layout of the mesh
+    included; of a surface by Newton's method from moves along its normals, and of lines that were found before by those of the surface that
+    they were found on. In the smooth measure what the layout of the mesh
     puts into K follows the moves, by differences along them. These are the derivatives of the fairest surface, to some 1e-8; in the
     smooth measure a solve by projection ends beside that one, and what it returns for other K differs from them by some 3e-4.
     Constraints of places are held, with the
@@ -166,7 +169,7 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     if result.method == "bending":
         found = _by_bending(result, numbers)
     elif result.method == "newton":
-        found = _by_newton(problem, groups, result.measure == "smooth")
+        found = _by_newton(problem, groups, result.measure == "smooth", _by_lines(result, numbers))
     else:
         found = _by_projection(result, groups)
     moves = np.array([found[region] for region in numbers]).reshape(-1, len(problem.vertices), 3)
@@ -196,21 +199,35 @@ def _by_bending(result: SolveResult, regions: Sequence[int]) -> dict[int, FloatA
     from .polish.derivatives import moves_by_constants
     from .polish.settings import PolishSettings
 
+    settings = result.settings if isinstance(result.settings, PolishSettings) else PolishSettings()
+    return moves_by_constants(_drawn(result), settings, result.vertices, regions)
+
+
+def _by_lines(result: SolveResult, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
+    """Return dx/dK of the creases and free edges of a surface that was found between them, zero elsewhere; None for other surfaces."""
+    if not is_held_along_edges(result.problem):
+        return None
+    drawn, lines = _drawn(result), ~result.problem.asked
+    return moves_of_lines(drawn, regions) if (drawn.vertices != result.vertices)[lines].any() else None
+
+
+def _drawn(result: SolveResult) -> CGCProblem:
+    """Return the drawing of a result, with the constants that were found."""
     if result.start is None:
         raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
-    settings = result.settings if isinstance(result.settings, PolishSettings) else PolishSettings()
     drawn = result.problem.with_vertices(result.start)
     # Goals that unknown constants meet push nothing.
-    drawn = without_constants(drawn) if unknown_constants(drawn) else drawn
-    return moves_by_constants(drawn, settings, result.vertices, regions)
+    return without_constants(drawn) if unknown_constants(drawn) else drawn
 
 
-def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool) -> dict[int, FloatArray]:
-    """Return dx/dK by region, with every vertex moving along its normal."""
+def _by_newton(
+    problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool, lines: Optional[dict[int, FloatArray]]
+) -> dict[int, FloatArray]:
+    """Return dx/dK by region, with every vertex moving along its normal, and creases and free edges as they are given to move."""
     local, frame = problem.local()
     if smooth:
         local = replace(local, faces=read_across(local))
-    asked = np.flatnonzero(local.asked)
+    asked, others = np.flatnonzero(local.asked), np.flatnonzero(~local.asked)
     equations = CurvatureEquations(local.faces, local.targets, asked, asked)
     normals = vertex_normals(local.vertices, local.faces)[asked]
     residual, areas = equations.measure(local.vertices)
@@ -218,14 +235,24 @@ def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bo
     equations.targets = local.targets.copy()
     equations.targets[asked] += residual / areas
     factor = factorise(equations.jacobian(local.vertices, normals))
+    by_others = CurvatureEquations(local.faces, equations.targets, asked, others).jacobian(local.vertices)
 
-    def moves(change: FloatArray) -> FloatArray:
-        moved = np.zeros_like(local.vertices)
-        moved[asked] = factor.solve(areas * change)[:, None] * normals
+    still = np.zeros_like(local.vertices)
+
+    def moves(change: FloatArray, by: FloatArray = still) -> FloatArray:
+        """Return the moves (n, 3) that change K by what is asked (k,) when the other vertices move by their own (n, 3)."""
+        moved = by.copy()
+        moved[asked] = factor.solve(areas * change - by_others @ by[others].ravel())[:, None] * normals
         return moved
 
-    told = _with_layout(moves, partial(_layout_change, local.vertices, local.faces, asked)) if smooth else moves
-    return {region: told(np.isin(asked, own).astype(np.float64)) * frame.scale**3 for region, own in groups.items()}
+    change_of = partial(_layout_change, local.vertices, local.faces, asked)
+    told = _with_layout(moves, change_of) if smooth else moves
+    found = {}
+    for region, own in groups.items():
+        change = np.isin(asked, own).astype(np.float64)
+        along = moves(np.zeros(len(asked)), (lines or {}).get(region, still) / frame.scale**3)
+        found[region] = (told(change + (change_of(along) if smooth else 0.0)) + along) * frame.scale**3
+    return found
 
 
 def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dict[int, FloatArray]:

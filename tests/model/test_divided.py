@@ -1,4 +1,4 @@
-"""A problem with every face divided in four has the supports, creases, regions and targets of the problem."""
+"""A problem with short edges along its lines has the supports, creases, regions and targets of the problem."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc import Rise
+from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_areas
 from compas_cgc.discrete import face_normals
-from compas_cgc.model.divided import quartered
+from compas_cgc.model.divided import with_short_lines
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
 
 
 @pytest.fixture
@@ -24,21 +26,28 @@ def problem():
     return mesh.to_problem().with_goals([Rise(2.0)])
 
 
-def test_faces_and_vertices_are_divided(problem):
-    fine = quartered(problem)
+@pytest.mark.parametrize("longest, parts", [(1.0, 1), (0.6, 2), (0.5, 2), (0.2, 8)])
+def test_lines_are_divided_and_the_surface_stays_the_same(problem, longest, parts):
+    fine = with_short_lines(problem, longest)
     n, m = len(problem.vertices), len(problem.faces)
-    assert (fine.vertices[:n] == problem.vertices).all() and len(fine.faces) == 4 * m and fine.goals == problem.goals
-    areas = face_areas(fine.vertices, fine.faces).reshape(4, m)
-    assert areas == pytest.approx(np.tile(face_areas(problem.vertices, problem.faces) / 4.0, (4, 1)))
+    lines = 4 * 6 + len(problem.creases) + 1
+    assert (fine.vertices[:n] == problem.vertices).all() and fine.goals == problem.goals
+    assert len(fine.vertices) == n + lines * (parts - 1)
+    edges = edge_faces(fine.faces)
+    rim = edges[edges[:, 3] < 0, :2]
+    for own in (rim, fine.creases):
+        assert np.linalg.norm(fine.vertices[own[:, 1]] - fine.vertices[own[:, 0]], axis=1) == pytest.approx(1.0 / parts)
     assert (face_normals(fine.vertices, fine.faces)[:, 2] > 0.0).all()
-    assert (fine.regions().reshape(4, m) == problem.regions()).all()
+    areas = [np.bincount(own.regions(), face_areas(own.vertices, own.faces)) for own in (problem, fine)]
+    assert areas[1] == pytest.approx(areas[0]) and (fine.regions()[:m] == problem.regions()).all()
 
 
 def test_roles_and_targets_are_those_of_the_edges(problem):
-    fine = quartered(problem)
+    fine = with_short_lines(problem, 0.5)
     n = len(problem.vertices)
     assert (fine.roles[:n] == problem.roles).all()
     held = fine.vertices[n:][fine.roles[n:] == FIXED]
     assert sorted(map(tuple, held[:, :2].tolist())) == sorted([*((0.0, k + 0.5) for k in range(6)), (3.5, 2.0)])
     assert len(fine.creases) == 2 * len(problem.creases) and (fine.roles[n:] == CREASE).sum() == len(problem.creases)
+    assert (fine.roles[n:] == FREE).sum() == 3 * 6
     assert fine.region_targets() == problem.region_targets() == [0.02, 0.03]
