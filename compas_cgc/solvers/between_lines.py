@@ -49,10 +49,7 @@ __all__ = ["between_lines", "moves_of_lines"]
 EVEN = 600  # vertices of the even triangles on which lines are found
 PLACES = 16  # on a line, for an edge of these triangles, from which their vertices are taken, so that they are evenly spaced
 CORRECTIONS = 8  # of goals; the first leaves about a tenth of what was missed
-WAYS = (  # shares of the fold length and of K̄ that are solved for one after the other
-    ((1.0, 1.0), (1.0, 0.8), (1.0, 1.0)),
-    ((0.3, 1.0), (1.0, 1.0), (1.0, 0.8), (1.0, 1.0)),
-)
+WAYS = ((1.0, 1.0), (1.0, 0.8), (1.0, 1.0)), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))  # shares of fold length and K̄, one after the other
 ROUNDED = 1e-10  # what goals are missed by, against their numbers or the size, that is rounding
 
 
@@ -116,7 +113,7 @@ def _gains(asked: FloatArray, had: FloatArray, before: Optional[tuple[FloatArray
 
 
 def moves_of_lines(drawn: CGCProblem, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
-    """Return the derivatives of creases and free edges by the K of regions, as moves (n, 3) that are zero elsewhere [L^3].
+    """Return the derivatives by the K of regions of the surface on which creases and free edges are found, as moves (n, 3) [L^3].
 
     Parameters
     ----------
@@ -136,21 +133,19 @@ def moves_of_lines(drawn: CGCProblem, regions: Sequence[int]) -> Optional[dict[i
     found = _bent(even.problem, ALONG_EDGES, None, None)
     if found.status != "converged":
         return None
-    here, inside = even.carried(found).vertices, drawn.asked
-    result = {}
+    here, result = even.carried(found).vertices, {}
     for region in regions:
         moves = sum(moves_by_constants(even.problem, PolishSettings(), found.vertices, even.regions[region]).values())
-        result[region] = np.where(inside[:, None], 0.0, even.carried(found._replace(vertices=found.vertices + moves)).vertices - here)
+        result[region] = even.carried(found._replace(vertices=found.vertices + moves)).vertices - here
     return result
 
 
 def _bent(posed: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Solution:
-    """Return the surface that bends and folds least, with creases and without goals the one with the least energy that two ways lead to.
+    """Return the surface that bends and folds least, without goals the one with the least energy that two ways lead to.
 
-    On the long way from the plate folds may snap through at single vertices. They snap back on a way to less K and back, and fewer do
-    where creases are stiff at first.
+    On a long way vertices of lines may snap through one by one. On short ways they snap back, and fewer do where creases are stiff first.
     """
-    if posed.goals or not len(posed.creases):
+    if posed.goals:
         return run_method(METHODS[choice.method], posed, settings=settings, options=choice.options, callback=callback)
     given: PolishSettings = settings_of(METHODS["bending"], settings)  # type: ignore[assignment]
     found: list[Solution] = []

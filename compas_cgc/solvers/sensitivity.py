@@ -169,7 +169,7 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     if result.method == "bending":
         found = _by_bending(result, numbers)
     elif result.method == "newton":
-        found = _by_newton(problem, groups, result.measure == "smooth", _by_lines(result, numbers))
+        found = _by_newton(problem, groups, result.measure == "smooth", _of_lines(result, numbers))
     else:
         found = _by_projection(result, groups)
     moves = np.array([found[region] for region in numbers]).reshape(-1, len(problem.vertices), 3)
@@ -203,8 +203,8 @@ def _by_bending(result: SolveResult, regions: Sequence[int]) -> dict[int, FloatA
     return moves_by_constants(_drawn(result), settings, result.vertices, regions)
 
 
-def _by_lines(result: SolveResult, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
-    """Return dx/dK of the creases and free edges of a surface that was found between them, zero elsewhere; None for other surfaces."""
+def _of_lines(result: SolveResult, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
+    """Return dx/dK of the surface between whose creases and free edges a surface was found; None for other surfaces."""
     if not is_held_along_edges(result.problem):
         return None
     drawn, lines = _drawn(result), ~result.problem.asked
@@ -221,13 +221,13 @@ def _drawn(result: SolveResult) -> CGCProblem:
 
 
 def _by_newton(
-    problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool, lines: Optional[dict[int, FloatArray]]
+    problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool, begun: Optional[dict[int, FloatArray]]
 ) -> dict[int, FloatArray]:
-    """Return dx/dK by region, with every vertex moving along its normal, and creases and free edges as they are given to move."""
+    """Return dx/dK by region, with every vertex moving along its normal, after the moves (n, 3) of what it begins with."""
     local, frame = problem.local()
     if smooth:
         local = replace(local, faces=read_across(local))
-    asked, others = np.flatnonzero(local.asked), np.flatnonzero(~local.asked)
+    asked = np.flatnonzero(local.asked)
     equations = CurvatureEquations(local.faces, local.targets, asked, asked)
     normals = vertex_normals(local.vertices, local.faces)[asked]
     residual, areas = equations.measure(local.vertices)
@@ -235,14 +235,13 @@ def _by_newton(
     equations.targets = local.targets.copy()
     equations.targets[asked] += residual / areas
     factor = factorise(equations.jacobian(local.vertices, normals))
-    by_others = CurvatureEquations(local.faces, equations.targets, asked, others).jacobian(local.vertices)
-
+    by_all = CurvatureEquations(local.faces, equations.targets, asked, np.arange(len(local.vertices))).jacobian(local.vertices)
     still = np.zeros_like(local.vertices)
 
-    def moves(change: FloatArray, by: FloatArray = still) -> FloatArray:
-        """Return the moves (n, 3) that change K by what is asked (k,) when the other vertices move by their own (n, 3)."""
-        moved = by.copy()
-        moved[asked] = factor.solve(areas * change - by_others @ by[others].ravel())[:, None] * normals
+    def moves(change: FloatArray, first: FloatArray = still) -> FloatArray:
+        """Return the moves (n, 3) that change K by what is asked (k,), first moves (n, 3) included."""
+        moved = first.copy()
+        moved[asked] += factor.solve(areas * change - by_all @ first.ravel())[:, None] * normals
         return moved
 
     change_of = partial(_layout_change, local.vertices, local.faces, asked)
@@ -250,8 +249,8 @@ def _by_newton(
     found = {}
     for region, own in groups.items():
         change = np.isin(asked, own).astype(np.float64)
-        along = moves(np.zeros(len(asked)), (lines or {}).get(region, still) / frame.scale**3)
-        found[region] = (told(change + (change_of(along) if smooth else 0.0)) + along) * frame.scale**3
+        first = moves(np.zeros(len(asked)), (begun or {}).get(region, still) / frame.scale**3)
+        found[region] = (told(change + (change_of(first) if smooth else 0.0)) + first) * frame.scale**3
     return found
 
 

@@ -137,8 +137,10 @@ def test_newton_moves_change_the_smooth_measure_by_what_is_asked():
 
 @pytest.mark.parametrize(
     "held, creased",
-    [([*range(13), *range(156, 169)], False), ("boundary", True)],
-    ids=["free edges between walls", "a crease within a rim"],
+    [
+        pytest.param([*range(13), *range(156, 169)], False, id="free edges between walls"),
+        pytest.param("boundary", True, id="a crease within a rim", marks=pytest.mark.nightly),
+    ],
 )
 def test_lines_move_as_they_do_between_solves_and_the_surface_between_them_goes_along(held, creased):
     problem = roof(held=False, creased=creased).with_supports(held)
@@ -146,13 +148,12 @@ def test_lines_move_as_they_do_between_solves_and_the_surface_between_them_goes_
     assert result.method == "newton" and result.verdict.fair
     found = sensitivity(result)
     for number, region in enumerate(found.regions):
-        by = 1e-3 * found.targets[number]
+        by = 1e-4 * found.targets[number]
         ahead, behind = (solve(problem.with_targets(found.targets[number] + sign * by, region=region)) for sign in (1, -1))
         difference = (ahead.vertices - behind.vertices)[:, 2] / (2 * by)
         largest, lines = np.abs(difference).max(), ~problem.asked
         assert found.moves[number][lines, 2] == pytest.approx(difference[lines], abs=1e-5 * largest)
-        # Inside vertices move along normals instead of upwards.
-        assert found.height[number] == pytest.approx((ahead.vertices - behind.vertices)[:, 2].max() / (2 * by), rel=0.02)
+        assert found.height[number] == pytest.approx(difference[np.argmax(result.vertices[:, 2])], rel=1e-3)
         assert found.volume[number] == pytest.approx((measured(ahead) - measured(behind)) / (2 * by), rel=1e-3)
 
 
