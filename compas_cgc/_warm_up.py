@@ -1,4 +1,4 @@
-"""Warm-up: compiles and stores every kernel that a solve may call."""
+"""Warm-up: compiles and stores every kernel."""
 
 from __future__ import annotations
 
@@ -47,17 +47,19 @@ def warm_up(told: Optional[Callable[[float], object]] = None) -> int:
 
 
 def _calls() -> Iterator[Callable[[], object]]:
-    """Yield calls that together use every kernel of a solve, its analysis and its checks."""
+    """Yield calls that together use every kernel."""
     from .solvers.registry import METHODS
 
     for method in METHODS:
         yield partial(_solved, _dome, method=method)
     yield partial(_solved, _folded)
+    yield partial(_solved, _cushions)
     for method, measure in (("projection", "smooth"), ("projection", "exact"), ("newton", "exact")):
         yield partial(_solved, _folded if method == "projection" else _dome, settings={"measure": measure}, method=method)
     yield partial(_solved, _folded, settings={"energy": "cotangent"}, method="flow")
     yield _ordered
     yield _drawn
+    yield _built
 
 
 def _dome() -> CGCMesh:
@@ -73,6 +75,12 @@ def _folded() -> CGCMesh:
     mesh = _dome()
     mesh.set_supports("corners")
     mesh.set_creases([[6 * i + 2 for i in range(6)]])
+    return mesh
+
+
+def _cushions() -> CGCMesh:
+    mesh = _folded()
+    mesh.set_supports("boundary")
     return mesh
 
 
@@ -104,3 +112,20 @@ def _drawn() -> None:
     annealed(vertices[:, :2], faces, np.zeros(len(vertices), bool), np.zeros((0, 2), np.int64), lambda places: np.ones(len(places)))
     energy_gradient(vertices, faces, 0.01)
     in_sight(vertices, vertices, faces)
+
+
+def _built() -> None:
+    """Compile the kernels used for pieces, moulds and nets of curves."""
+    from .fabrication import curve_net
+    from .fabrication import moulds
+    from .fabrication import panels
+    from .fabrication import unroll
+    from .solvers.run import solve
+
+    roof = solve(_dome())
+    moulds(roof, panels(roof, count=2), material="timber")
+    unroll(roof, (3.0, 3.0), strain=0.1)
+    curve_net(roof, 1.0)
+    saddle = _dome()
+    saddle.set_supports("corners")
+    curve_net(solve(saddle, targets=-0.01), 1.0)

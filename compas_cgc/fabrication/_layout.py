@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from .._compiled import kernel
 from ..discrete._space_form import cosine
 from ..discrete._space_form import sides
 from ..discrete._space_form import sine
@@ -17,7 +17,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Vertices
 
 
-@njit(cache=True, nogil=True)
+@kernel(inner=True)
 def moved(Q: FloatArray, square: float, K: float, sign: float) -> None:
     """Move a frame along its first axis, forwards (sign 1) or backwards (-1), by a chord of squared length `square`."""
     c = 1.0 - 0.5 * K * square
@@ -28,7 +28,7 @@ def moved(Q: FloatArray, square: float, K: float, sign: float) -> None:
         Q[i, 1] = ahead * c - K * s * origin
 
 
-@njit(cache=True, nogil=True)
+@kernel(inner=True)
 def turned(Q: FloatArray, c: float, s: float) -> None:
     """Rotate a frame about its origin by the angle with cosine c and sine s."""
     for i in range(3):
@@ -37,7 +37,7 @@ def turned(Q: FloatArray, c: float, s: float) -> None:
         Q[i, 2] = left * c - ahead * s
 
 
-@njit(cache=True, nogil=True)
+@kernel(inner=True)
 def triangle(V: Vertices, F: Faces, f: int, K: float, arc: bool, out: FloatArray) -> None:
     """Write the squared opposite chord, the cosine and the sine of every corner of a face into `out` (3, 3)."""
     a, b, c, _, _, _, D = sides(V, F, f, K, arc)
@@ -49,7 +49,7 @@ def triangle(V: Vertices, F: Faces, f: int, K: float, arc: bool, out: FloatArray
         out[x, 0], out[x, 1], out[x, 2] = p, C / long if long > 0.0 else 1.0, S / long if long > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def laid(V: Vertices, F: Faces, order: Indices, before: Indices, side: IntArray, K: float, arc: bool) -> FloatArray:
     """Return the corner points of faces (m, 3, 3), each face laid beside its predecessor.
 

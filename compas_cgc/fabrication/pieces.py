@@ -8,10 +8,10 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
-from numba import njit
 from scipy.spatial import ConvexHull
 from scipy.spatial import QhullError
 
+from .._compiled import kernel
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .patchwork import CREASE
@@ -225,7 +225,7 @@ def _hull(points: FloatArray) -> IntArray:
         return np.arange(len(points))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _crossing(start: FloatArray, end: FloatArray, tolerance: float) -> bool:
     """Check whether two of the segments (k, 2), sorted by their smaller x, cross by more than a tolerance [L]."""
     for i in range(len(start)):

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
+from .._compiled import kernel
 from ..discrete import boundary_vertices
 from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
@@ -92,7 +92,7 @@ def principal_curvatures(operators: FloatArray, normals: Vectors) -> PrincipalCu
     return PrincipalCurvatures(*result)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _fitted(V: Vertices, N: Vectors, F: Faces, start: IntArray, near: IntArray, rings: IntArray, degree: int) -> FloatArray:
     n = V.shape[0]
     out = np.full((n, 4, 3), np.nan)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.spatial import cKDTree
 
+from .._compiled import kernel
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 
@@ -82,7 +82,7 @@ def _fits(points: FloatArray, tree: cKDTree) -> tuple[int, IntArray, FloatArray,
     return degree, around, scale, np.linalg.solve(normal + lift[:, None, None] * np.eye(terms.shape[2]), left)
 
 
-@njit(cache=True)
+@kernel()
 def _evaluated(
     points: FloatArray, places: FloatArray, near: IntArray, weight: FloatArray, scale: FloatArray, coefficients: FloatArray, degree: int
 ) -> FloatArray:

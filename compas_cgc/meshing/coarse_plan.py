@@ -7,11 +7,11 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
-from numba import njit
 from scipy.spatial import Delaunay
 from scipy.spatial import QhullError
 from scipy.spatial import cKDTree
 
+from .._compiled import kernel
 from ..discrete import edge_faces
 from ..discrete.arrays import Edges
 from ..discrete.arrays import Faces
@@ -316,7 +316,7 @@ def located(points: FloatArray, plan: FloatArray, faces: Faces, step: float) -> 
     return _located(points, plan, faces, low, step, width, depth, order, starts)
 
 
-@njit(cache=True)
+@kernel()
 def _located(
     points: FloatArray,
     plan: FloatArray,

@@ -6,12 +6,12 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 from scipy.interpolate import RectBivariateSpline
 from scipy.interpolate import make_interp_spline
 from scipy.spatial import cKDTree
 
+from ..._compiled import kernel
 from ...discrete.arrays import FloatArray
 
 __all__ = ["KSurface", "fit_k_surface"]
@@ -272,7 +272,7 @@ def _weights(grids: tuple[FloatArray, FloatArray], at: FloatArray) -> sparse.csr
     return sparse.csr_matrix((weights.ravel(), (rows, columns.ravel())), shape=(len(at), len(grids[0]) * len(grids[1])))
 
 
-@njit(cache=True)
+@kernel()
 def _integrated(
     first: FloatArray,
     second: FloatArray,
@@ -325,7 +325,7 @@ def _integrated(
     return points, angle
 
 
-@njit(cache=True)
+@kernel(inner=True)
 def _carry(frame: FloatArray, point: FloatArray, bend: float, twist: float, step: float, frame_out: FloatArray, out: FloatArray) -> None:
     """Carry a frame and its point along a helix of given curvature and torsion."""
     # Numbers instead of short arrays, each of which would be allocated.

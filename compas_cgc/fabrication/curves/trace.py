@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..._compiled import kernel
 from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
@@ -108,7 +108,7 @@ def _closed(field: DirectionField, points: Vectors, faces: IntArray) -> Traced:
     return Traced(np.vstack([points[:1], (1.0 - share) * start + share * end, points[:1]]), faces)
 
 
-@njit(cache=True, nogil=True)
+@kernel(inner=True)
 def _direction(a: float, b: float, c: float, kind: int, family: int, x: float, y: float) -> tuple[float, float]:
     """Return the direction of a kind for the form [[a, b], [b, c]], oriented like (x, y); (0, 0) if there is none.
 
@@ -139,7 +139,7 @@ def _direction(a: float, b: float, c: float, kind: int, family: int, x: float, y
     return u, v
 
 
-@njit(cache=True, nogil=True)
+@kernel(inner=True)
 def _field_at(
     corners: FloatArray, forms: FloatArray, u: float, v: float, kind: int, family: int, x: float, y: float
 ) -> tuple[float, float]:
@@ -157,7 +157,7 @@ def _field_at(
     return _direction(a, b, c, kind, family, x, y)
 
 
-@njit(cache=True, nogil=True)
+@kernel(inner=True)
 def _exit(corners: FloatArray, u: float, v: float, x: float, y: float, entry: int) -> tuple[int, float, float]:
     """Return the side through which a ray leaves a face (-1 for none), the length to it, and the position on the side."""
     best, far, share = -1, np.inf, 0.0
@@ -177,7 +177,7 @@ def _exit(corners: FloatArray, u: float, v: float, x: float, y: float, entry: in
     return best, far, share
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _half(
     V: Vertices,
     F: Faces,
