@@ -85,7 +85,7 @@ def given_length(text: str) -> GivenLength:
     argparse.ArgumentTypeError
         If it is not a finite length.
     """
-    # Loaded when it is used, so that help texts do not wait for numerical packages.
+    # Imported here so that help texts do not wait for numerical packages.
     from ..model.units import length_of
 
     try:

@@ -59,7 +59,7 @@ def goals_of(arguments: argparse.Namespace, places: dict[str, Any], units: Optio
     CGCError
         If a goal is invalid.
     """
-    # Loaded when it is used, so that help texts do not wait for numerical packages.
+    # Imported here so that help texts do not wait for numerical packages.
     from ..model.units import within
 
     goals: list[dict[str, Any]] = []

@@ -41,7 +41,7 @@ from .sheet_drawing import MARK_LENGTH
 __all__ = ["courses", "draw_plan", "neighbours", "numbered_courses"]
 
 SEAM_PLACES = (0.2, 0.8, 0.35, 0.65, 0.1, 0.9, 0.5)  # along a seam, where its number is tried, away from names in the middle of pieces
-NAME_SHARES = (0.55, 0.9)  # height of a name relative to the room of its piece: beside numbers of seams, and for the smallest names
+NAME_SHARES = (0.55, 0.9)  # height of a name relative to the room of its piece: usually, and at most where names would be unreadable
 SEAM_SIZES = np.array([1.0, 0.7, 0.5])  # heights of the number of a seam that are tried, relative to the usual one
 VIEW_GAP = 4.0  # between views, relative to the height of the texts
 SEAM_TEXT = 0.15  # height of the number of a seam, relative to its length in plan

@@ -103,7 +103,7 @@ def roomiest(centres: FloatArray, loops: Sequence[FloatArray], text: str) -> tup
 def square_room(places: FloatArray, segments: FloatArray) -> FloatArray:
     """Return half the side of the largest square around places (p, 2) that no segment (k, 2, 2) enters (p,)."""
     start, along = segments[:, 0] - places[:, None], segments[:, 1] - segments[:, 0]
-    # The larger coordinate is least at an end, on an axis or on a diagonal.
+    # Along a segment the larger coordinate is smallest at an end, on an axis or on a diagonal.
     with np.errstate(divide="ignore", invalid="ignore"):
         on = [-(start @ normal) / (along @ normal) for normal in np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])]
     shares = np.clip(np.nan_to_num([*on, np.zeros_like(on[0]), np.ones_like(on[0])]), 0.0, 1.0)

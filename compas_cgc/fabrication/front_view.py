@@ -14,7 +14,7 @@ __all__ = ["PLAN", "all_views", "front_view", "is_plan", "seen_from", "view_name
 
 PLAN = np.eye(3)  # axes of a view from above
 UPRIGHT = 0.5  # z of the mean normal below which a surface, or a part of it, is upright
-SIDE_TOLERANCE = 1e-9  # of unit vectors that are the same
+SIDE_TOLERANCE = 1e-9  # difference of unit vectors that count as equal
 SIDES = ("south", "east", "north", "west")
 
 

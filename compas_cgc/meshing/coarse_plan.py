@@ -123,7 +123,7 @@ def _segments(plan: FloatArray, edges: Edges, kept: Mask, step: float) -> list[I
 
 
 def cut_at_turns(plan: FloatArray, path: Indices, kept: Mask) -> list[Indices]:
-    """Return a path cut where it turns sharply, and at other vertices.
+    """Return a path cut at sharp turns and at given vertices.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def cut_at_turns(plan: FloatArray, path: Indices, kept: Mask) -> list[Indices]:
     path
         ``(k,)`` vertices; the last is the first if it is closed.
     kept
-        ``(n,)`` mask of the other vertices.
+        ``(n,)`` mask of the given vertices.
     """
     closed = path[0] == path[-1]
     turn = _turns(plan[path], closed)

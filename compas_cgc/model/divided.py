@@ -18,16 +18,16 @@ CHILDREN = {1: ((0, 3, 2), (3, 1, 2)), 2: ((3, 1, 4), (0, 3, 4), (0, 4, 2)), 3: 
 
 
 def with_short_lines(problem: CGCProblem, longest: float) -> CGCProblem:
-    """Return a problem whose edges along its rim, its creases and lines of supports are halved until none is longer than a length [L].
+    """Halve the edges along the rim, creases and lines of supports until none is longer than a given length.
 
-    Vertices and regions keep their numbers. Goals stay those of the problem's own vertices.
+    Vertices and regions keep their numbers, and goals refer to the same vertices.
 
     Parameters
     ----------
     problem
-        Without dummies and laws.
+        Problem without dummies and laws.
     longest
-        Length [L].
+        Largest length of these edges [L].
     """
     while True:
         edges = _lines(problem)
@@ -58,14 +58,14 @@ def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     order = np.argsort(codes)
 
     def middles(pairs: IntArray) -> IntArray:
-        """Return the vertices at the middles of edges (e, 2), -1 where there is none."""
+        """Return the vertices at the middles of edges (e, 2), -1 for edges that are not halved."""
         wanted = np.sort(pairs, axis=1) @ [n, 1]
         at = order[np.minimum(np.searchsorted(codes, wanted, sorter=order), len(order) - 1)]
         return np.where(codes[at] == wanted, n + at, -1)
 
     divided = np.column_stack([middles(F[:, [k, (k + 1) % 3]]) for k in range(3)])
     count = (divided >= 0).sum(axis=1)
-    # Turned so that the divided edges of a face are its first ones.
+    # Faces are rotated so that their divided edges come first.
     turn = np.where(count == 2, np.argmin(divided, axis=1) + 1, np.where(count == 1, np.argmax(divided, axis=1), 0)) % 3
     by = (np.arange(3) + turn[:, None]) % 3
     corners = np.hstack([np.take_along_axis(F, by, axis=1), np.take_along_axis(divided, by, axis=1)])
@@ -81,10 +81,10 @@ def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     roles = np.full(len(edges), FREE)
     roles[at - n] = CREASE
     roles[(problem.roles[edges] == FIXED).all(axis=1)] = FIXED
-    # Beside the end of a crease the other end is of the region.
-    told = problem.roles[edges] != CREASE
-    told |= ~told.any(axis=1)[:, None]
-    targets = np.where(told, problem.targets[edges], 0.0).sum(axis=1) / told.sum(axis=1)
+    # A vertex of a crease belongs to several regions, so that the target is that of the other end.
+    counted = problem.roles[edges] != CREASE
+    counted |= ~counted.any(axis=1)[:, None]
+    targets = np.where(counted, problem.targets[edges], 0.0).sum(axis=1) / counted.sum(axis=1)
     return CGCProblem(
         np.vstack([V, V[edges].mean(axis=1)]),
         np.vstack([faces, *more]),

@@ -97,8 +97,8 @@ def read_across(problem: CGCProblem) -> IntArray:
     """Return the triangles (m, 3) on which the smooth measure reads K.
 
     They are those of the problem except for faces with three fixed vertices in a corner. There the diagonal is flipped so that
-    it runs into the corner, because a face between supports stays flat whatever the surface. Where regions are determined by their lines,
-    see :func:`is_held_along_edges`, those on free edges count as fixed.
+    it runs into the corner, because a face between supports stays flat whatever the surface. Vertices on free edges count as fixed if the
+    free edges are found before the surface between them, see :func:`is_held_along_edges`.
     """
     real, faces = problem.real_faces, problem.faces.copy()
     held = with_level_edges_held(problem).roles == FIXED
@@ -124,12 +124,12 @@ def inward_supports(problem: CGCProblem) -> list[int]:
 
 
 def with_free_edges_held(problem: CGCProblem) -> CGCProblem:
-    """Return a problem whose free edges are held where they are."""
+    """Return a problem whose free edges are fixed in place."""
     return replace(problem, roles=np.where(problem.roles == FREE, FIXED, problem.roles))
 
 
 def is_held_all_round(problem: CGCProblem) -> bool:
-    """Return whether the whole rim is held, there are no creases, and K̄ > 0 everywhere, so that these determine the surface.
+    """Return whether the whole rim is held, there are no creases, and K̄ > 0 everywhere, so that rim and K̄ determine the surface.
 
     Towards a straight fixed edge one principal curvature is unbounded there. Bending energy is infinite and angle defects are of first
     order in the length of edges, whereas the smooth measure is of order 1.5.
@@ -141,7 +141,7 @@ def is_held_all_round(problem: CGCProblem) -> bool:
 
 
 def is_held_along_edges(problem: CGCProblem) -> bool:
-    """Return whether edges of the rim are held, there are creases or free edges to be found, and K̄ > 0 everywhere."""
+    """Return whether edges of the rim are held, K̄ > 0 everywhere, and creases or free edges are unknown."""
     problem = with_level_edges_held(problem.without_dummies())
     edges = edge_faces(problem.faces)
     held = (problem.roles[edges[edges[:, 3] < 0, :2]] == FIXED).all(axis=1)

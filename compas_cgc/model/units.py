@@ -1,4 +1,4 @@
-"""Units of drawings, and lengths that are given with a unit of their own."""
+"""Units of drawings, and lengths with units."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Length(NamedTuple):
     metres: float  # of its unit
 
     def within(self, units: Optional[str]) -> float:
-        """Return the length in the units of a drawing, such as ``Millimeters``; a drawing without known units is in metres [L]."""
+        """Return the length in the units of a drawing, such as ``Millimeters`` [L]; unknown units count as metres."""
         return self.value * (self.metres / METRES.get(units or "Meters", 1.0))
 
 

@@ -45,7 +45,7 @@ FINE_DEGREE, FINE_RINGS = 4, 3  # degree and rings of the second fits, used wher
 FIT_ERROR_FACTOR = 0.6  # relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)^2
 MAX_FIT_SQUARE = 0.25  # upper bound of that square: fits over a larger part of the sphere get no further allowance
 TARGET_FLOOR = 0.1  # smallest reference for relative errors, relative to the largest target
-INVISIBLE_SAG = 1e-3  # of the size of a surface, below which the effect of a curvature on its shape is invisible
+INVISIBLE_SAG = 1e-3  # sagitta of an arc across a surface, relative to its size, below which its curvature is invisible
 FLAT_SHEET = 1e-3  # curvature relative to the largest target, below which a sheet is flat and has no side
 MAX_WAVINESS_75, MAX_WAVINESS_95 = 0.2, 0.4  # residual of the fits over their sagitta on a fair surface: 75th and 95th percentiles by area
 SAGITTA_FLOOR = 0.3  # smallest reference for residuals, relative to the median sagitta
@@ -316,8 +316,9 @@ def _principal(fits: LocalFits) -> FloatArray:
 def _least(problem: CGCProblem, fits: LocalFits) -> FloatArray:
     """Return the smallest reference curvature for relative errors (n,) [1/L^2].
 
-    On a bent surface, it is the K of a second principal curvature of TARGET_FLOOR times the first, by regions: nearly cylindrical regions
-    are judged like cylinders. On a nearly flat surface it is a K whose effect is INVISIBLE_SAG of the size.
+    In a bent region it is the K of a surface whose second principal curvature is TARGET_FLOOR times the first, so that nearly cylindrical
+    regions are judged like cylinders. On a nearly flat surface it is the product of 1/size and the curvature of
+    an arc whose sagitta is INVISIBLE_SAG times the size.
     """
     targets = problem.targets[problem.asked]
     size_square = max(float(face_areas(problem.vertices, problem.faces).sum()), TINY)

@@ -34,7 +34,7 @@ __all__ = ["Moulds", "Placed", "assign", "catalogue", "cheapened", "finished", "
 STEPS, LINEARISATIONS = 3, 8  # of Newton's method after K has changed: steps with the same factors, and how often
 CLOSE = 0.05  # deviation of K times the area, below which a surface has its K; a part of it where the design has less K
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
-FLAT = 8e-6  # K times the area of moulds that are flat: over the whole design they rise by 1e-6 of its size, less than files are rounded to
+FLAT = 8e-6  # K times the area below which moulds are made flat: their sagitta is below the accuracy of coordinates in files
 ROUNDS = 10  # linearisations from every start
 STARTS, SOLVED = 4, 3  # clusterings that are improved at most, and how many are solved to choose each
 EFFORT = 640  # panels of all starts together: with more panels a start takes longer, and clusterings differ less
@@ -99,10 +99,10 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
 
 
 def cheapened(moves: NormalMoves, placed: Placed, allowance: Allowance, watch: Optional[Watch] = None) -> Placed:
-    """Return an assignment with panels on cheaper and on fewer moulds whose solved surface stays within a distance, as a given one does.
+    """Return an assignment on cheaper and fewer moulds whose solved surface stays within the allowed distance, if the given one does.
 
-    Panels move in the same rounds as for the distance. Before and after, moulds are closed, and their panels come off those of the
-    nearest K.
+    Panels move to cheaper moulds in rounds as in :func:`assign`. Before and after, moulds are closed if that costs less, and their panels
+    come off the moulds of nearest K.
     """
     if not allowance.keeps(moves.criteria(placed.moves)):
         return placed
@@ -121,14 +121,14 @@ def _cheaper_panels(moves: NormalMoves, here: Placed, allowance: Allowance, watc
 
 
 def _fewer_moulds(moves: NormalMoves, here: Placed, allowance: Allowance) -> Placed:
-    """Close moulds where that costs less, those with the fewest panels first."""
+    """Close moulds if that costs less, in ascending order of their panels."""
     for mould in np.argsort(np.bincount(here.assigned.classes, minlength=len(here.assigned.values)), kind="stable").tolist():
         here = min(here, _without(moves, here, mould), key=lambda own: rank(moves, allowance, own))
     return here
 
 
 def rank(moves: NormalMoves, allowance: Optional[Allowance], placed: Placed) -> tuple[bool, float, float]:
-    """Return what the best assignment has least of: it keeps the distance, costs less, and is nearer to the design."""
+    """Return the sort key of an assignment, best first: whether it exceeds the distance, its costs, and its largest distance [L]."""
     largest = float(np.abs(moves.distances(placed.moves)).max(initial=0.0))
     if allowance is None or not allowance.keeps(moves.criteria(placed.moves)):
         return True, 0.0, largest
@@ -136,7 +136,7 @@ def rank(moves: NormalMoves, allowance: Optional[Allowance], placed: Placed) -> 
 
 
 def _without(moves: NormalMoves, here: Placed, mould: int) -> Placed:
-    """Return an assignment without panels on a mould: those on it come off the mould of the nearest K, if they are not locked."""
+    """Return an assignment with the panels of a mould, except locked ones, on the mould of nearest K."""
     own = here.assigned
     leave = (own.classes == mould) & ~own.locked
     others = np.setdiff1d(own.classes, [mould])
@@ -166,7 +166,9 @@ class _Racer:
 
 
 def _improved(moves: NormalMoves, here: Placed, trust: int, allowance: Optional[Allowance] = None) -> tuple[Placed, int, float]:
-    """Return the surface after at most so many panels have moved to other, or cheaper, moulds, how many have, and the predicted norm.
+    """Return the surface after moving at most `trust` panels, the number of moved panels, and the norm that the linear model predicts.
+
+    With an allowance, panels move to cheaper moulds.
 
     Panels that promise little stay, together with all others of their mould, so that few columns of sensitivities are needed.
     """
@@ -208,7 +210,7 @@ def _nearest(sensitivities: Sensitivities, mass: FloatArray) -> FloatArray:
 
 
 def finished(moves: NormalMoves, placed: Placed) -> Placed:
-    """Return an assignment with its surface solved to rounding; moulds that are nearly flat have K = 0, unless they exist."""
+    """Return an assignment with its surface solved to rounding; nearly flat moulds get K = 0 unless their K is given."""
     values = placed.assigned.values
     assigned = replace(placed.assigned, values=np.where((np.abs(values) * moves.size**2 <= FLAT) & ~placed.assigned.kept, 0.0, values))
     here = placed.moves

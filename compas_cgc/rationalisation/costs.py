@@ -23,15 +23,15 @@ class Costs(NamedTuple):
     """Costs by kind of mould, in any currency."""
 
     mould: FloatArray  # (3,) of making a mould
-    panel: FloatArray  # (3,) of a panel that comes off one
+    panel: FloatArray  # (3,) of a panel that comes off such a mould
 
     def parts(self, K: FloatArray, counts: IntArray) -> tuple[float, float]:
-        """Return the costs of moulds with K (k,), and of counts (k,) of panels on them; moulds without panels are not made."""
+        """Return the costs of moulds with K (k,) and of their panels, for numbers of panels (k,); moulds without panels cost nothing."""
         kinds = _kinds(K)
         return float(self.mould[kinds] @ (counts > 0)), float(self.panel[kinds] @ counts)
 
     def least(self, moulds: int, panels: int, flat: Optional[bool] = None) -> float:
-        """Return a lower bound of the costs of so many moulds and panels, with one flat mould, with none, or (None) with either."""
+        """Return a lower bound of the costs of numbers of moulds and panels, with one flat mould, without, or, for None, with either."""
         bent = float(self.mould[1:].min())
         with_flat = float(self.mould[0]) + (moulds - 1) * bent + panels * float(self.panel.min())
         without = moulds * bent + panels * float(self.panel[1:].min())
@@ -39,28 +39,28 @@ class Costs(NamedTuple):
 
 
 class Allowance(NamedTuple):
-    """A distance from the design that is allowed, and the costs that decide between surfaces within it."""
+    """Allowed distance from the design, and the costs that are minimised within it."""
 
-    limits: FloatArray  # (c,) largest values of the first criteria, the weighted distances [L]
-    sizes: IntArray  # (p,) number of panels that change their mould together
+    limits: FloatArray  # (c,) largest weighted distances, which are the first criteria [L]
+    sizes: IntArray  # (p,) number of panels in every group, which change their mould together
     costs: Optional[Costs] = None
 
     def keeps(self, criteria: FloatArray) -> Mask:
-        """Mark criteria (d,) or (r, d) with which a surface stays within the distance."""
+        """Return whether criteria (d,), or each of several (r, d), stay within the limits."""
         return np.asarray((np.abs(criteria[..., : len(self.limits)]) <= self.limits).all(axis=-1))
 
     def total(self, K: FloatArray, classes: IntArray) -> float:
-        """Return the costs of moulds with K (k,) for the moulds (p,) of the panels."""
+        """Return the costs of moulds with K (k,) and of the panels, for the mould of every panel (p,)."""
         if self.costs is None:
             return 0.0
         return sum(self.costs.parts(K, np.bincount(classes, self.sizes, len(K)).astype(np.int64)))
 
     def least(self, moulds: int, flat: Optional[bool]) -> float:
-        """Return a lower bound of the costs with so many moulds, one of them flat or not."""
+        """Return a lower bound of the costs for a number of moulds, see :meth:`Costs.least`."""
         return 0.0 if self.costs is None else self.costs.least(moulds, int(self.sizes.sum()), flat)
 
     def savings(self, K: FloatArray, classes: IntArray) -> FloatArray:
-        """Return what every panel saves on each of the moulds with K (k,), against the mould (p,) it is on (p, k)."""
+        """Return the savings (p, k) of moving every panel from its mould (p,) to each mould of K (k,)."""
         if self.costs is None:
             return np.zeros((len(classes), len(K)))
         own = self.costs.panel[_kinds(K)]
@@ -73,7 +73,7 @@ def costs_of(given: Mapping[str, Sequence[float]]) -> Costs:
     Raises
     ------
     CGCError
-        If a kind is unknown or missing, or a cost is no number from 0 up.
+        If a kind is unknown or missing, or a cost is not a number from 0 up.
     """
     if set(given) != set(KINDS):
         raise CGCError(f"costs must be given for {', '.join(KINDS)}, a pair of numbers for each, not for {', '.join(map(str, given))}")

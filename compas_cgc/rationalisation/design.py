@@ -44,7 +44,7 @@ DesignInput = Union[str, os.PathLike, SplineSurface, Any]
 EPS = float(np.finfo(float).eps)
 TOLERANCE = 1e-4  # of the size of a mesh, within which it is fitted by default
 LARGEST_DEVIATION = 0.01  # of the size, from which a fitted surface is no longer the design
-LARGEST_FACET_DEVIATION = 0.1  # of the size; that of a sphere of four faces around is 0.085
+LARGEST_FACET_DEVIATION = 0.1  # of the size; it is 0.085 for a sphere with four faces around
 CORRECTIONS = 2  # of the parameters of vertices for each number of spans; more change little
 ON_SIDE = 1e-3  # of a mean edge, within which a rim is a side of the rectangle around it
 
@@ -270,10 +270,10 @@ def _fitted(vertices: FloatArray, polygons: Sequence[Sequence[int]], tolerance: 
 
 
 def _facet_deviation(surface: SplineSurface, vertices: FloatArray, faces: IntArray, uv: FloatArray) -> float:
-    """Return how far the middles of the edges of a mesh are at most from the surface through its vertices, with parameters (n, 2) [L]."""
+    """Return the largest distance of the middles of edges from the surface through the vertices, which have parameters (n, 2) [L]."""
     sides = edge_faces(faces)[:, :2]
     middles = vertices[sides].mean(axis=1)
-    # Searches start from both ends, as parameters may close in between.
+    # Searches start from both ends because an edge may cross the seam of periodic parameters.
     feet = [surface.at(surface.foot(middles, uv[sides[:, end]])) for end in (0, 1)]
     return float(np.minimum(*(np.linalg.norm(middles - foot, axis=1) for foot in feet)).max(initial=0.0))
 

@@ -1,4 +1,4 @@
-"""Places of a design at which distances count more or less than elsewhere."""
+"""Weights of distances by place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["importance_at"]
 
 
 def importance_at(points: Vertices, places: ArrayLike) -> FloatArray:
-    """Return the factors (n,) by which distances at points (n, 3) count.
+    """Return the factors (n,) by which distances at points (n, 3) are multiplied.
 
     Parameters
     ----------

@@ -97,7 +97,9 @@ def best_values(linear: LinearMoves, mass: FloatArray, assigned: Assignment, ste
 def promising_panels(
     sensitivities: Sensitivities, over: NormalMoves, assigned: Assignment, most: int, allowance: Optional[Allowance] = None
 ) -> IntArray:
-    """Return the panels whose move to another, or a cheaper, mould promises the largest decrease of the distance, at most so many.
+    """Return at most `most` panels whose move to another mould promises the largest decrease of the distance.
+
+    With an allowance that is kept, these are the panels with the least increase of the distance per saving.
 
     Slopes come from one adjoint substitution, curvatures of the norm from a few with random signs.
 
@@ -124,9 +126,9 @@ def promising_panels(
 
 
 def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: int, allowance: Optional[Allowance] = None) -> Assignment:
-    """Move single panels to other moulds, at most so many, for as long as the distance decreases; the K of the moulds follow.
+    """Move at most `most` single panels to other moulds as long as the distance decreases; the K of the moulds follow.
 
-    With an allowance, panels move to cheaper moulds where the distance is kept, those first that save most against what they add to it.
+    With an allowance, panels move to cheaper moulds as long as it is kept, first those that increase the distance least per saving.
     """
     responses = np.ascontiguousarray(linear.by_panel.T)
     squares = responses**2

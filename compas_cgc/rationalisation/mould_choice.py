@@ -1,4 +1,4 @@
-"""Choice of the moulds: their number, and with costs their kinds too."""
+"""Choice of the number of moulds and, with costs, of their kinds."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ from .progress import Stop
 
 __all__ = ["MAX_MOULDS", "MouldsInput", "Wanted", "best_moulds"]
 
-MAX_MOULDS = 16  # that are tried for a distance that is to be kept
+MAX_MOULDS = 16  # largest number of moulds that is tried to keep a distance
 
 MouldsInput = Union[int, Sequence[float], None]
 
 
 class Wanted(NamedTuple):
-    """What is given of the moulds."""
+    """Moulds and distance that a user prescribes."""
 
     moulds: MouldsInput
     flat: Optional[bool] = None  # whether one mould is flat
-    locked: Optional[Mapping[int, int]] = None  # moulds of panels that are not to be assigned
-    allowance: Optional[Allowance] = None  # distance that is to be kept, and costs
+    locked: Optional[Mapping[int, int]] = None  # prescribed moulds of panels
+    allowance: Optional[Allowance] = None  # allowed distance, and costs
 
 
 def best_moulds(moves: NormalMoves, wanted: Wanted, stop: Stop) -> Placed:
-    """Return the best assignment: the nearest one, or of those within a distance the cheapest, or one with the fewest moulds."""
+    """Return the nearest assignment or, with an allowance, the cheapest within it, without costs the one with the fewest moulds."""
     allowance, best = wanted.allowance, None
     for own in _tried(moves, wanted):
         if best is not None and (stop.stopped or not _may_be_better(moves, allowance, best, own)):
@@ -56,7 +56,7 @@ def best_moulds(moves: NormalMoves, wanted: Wanted, stop: Stop) -> Placed:
 
 
 def _tried(moves: NormalMoves, wanted: Wanted) -> Iterator[Moulds]:
-    """Yield the moulds to try: given ones, or numbers and kinds in rising order."""
+    """Yield the moulds to try: existing ones, or ascending numbers of moulds with and without a flat one."""
     moulds, allowance = wanted.moulds, wanted.allowance
     if moulds is not None and not isinstance(moulds, (int, np.integer)):
         yield _existing(moves, moulds, wanted.locked)
@@ -75,7 +75,7 @@ def _tried(moves: NormalMoves, wanted: Wanted) -> Iterator[Moulds]:
 
 
 def _existing(moves: NormalMoves, radii: Sequence[float], locked: Optional[Mapping[int, int]]) -> Moulds:
-    """Return moulds of given radii, with the panels that are locked."""
+    """Return moulds of given radii and the locked panels."""
     values = catalogue(radii)
     if not locked:
         return Moulds(len(values), values)
@@ -91,6 +91,6 @@ def _existing(moves: NormalMoves, radii: Sequence[float], locked: Optional[Mappi
 
 
 def _may_be_better(moves: NormalMoves, allowance: Optional[Allowance], best: Placed, own: Moulds) -> bool:
-    """Whether moulds that have not been tried may lead nearer to a design, or cost less where the distance is kept."""
+    """Check whether other moulds may be better: nearer if the best ones exceed the distance, otherwise cheaper."""
     exceeded, cost, _ = rank(moves, allowance, best)
     return exceeded or (allowance is not None and allowance.least(own.number, own.flat) < cost)

@@ -45,7 +45,7 @@ class Sweep:
     results: tuple[Rationalised, ...]
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return moulds, distances, folds and, where they are given, costs of every result as plain data."""
+        """Return moulds, distances, folds and, if given, costs of every result as plain data."""
         rows = []
         for found in self.results:
             beyond = found.folds.beyond()

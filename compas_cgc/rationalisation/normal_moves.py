@@ -64,7 +64,7 @@ class NormalMoves:
 
     Moves along normals are distances from the design, on the rim and on seams too, and nothing can slide along it unseen. Criteria C w
     are the moves and the changes of the folds at seams, times the width of a panel, and times their importance. Of all surfaces with
-    given K the one of least energy :math:`\\frac12 w^T (C^T M C + \\beta Q) w` is taken, with masses M of the criteria and the bending
+    given K the one of least energy :math:`\frac12 w^T (C^T M C + \beta Q) w` is taken, with masses M of the criteria and the bending
     energy Q of the moves. A linearisation is one sparse positive definite system, with K held by a penalty and multipliers.
 
     Parameters
@@ -78,7 +78,7 @@ class NormalMoves:
     groups
         ``(p,)`` group of every panel with the same K. Groups then count as panels: K and moulds are those of groups.
     importance
-        ``(n,)`` factors by which distances and folds at vertices count. Default: 1.
+        ``(n,)`` factors by which distances and folds at vertices are multiplied. Default: 1.
 
     References
     ----------

@@ -10,7 +10,7 @@ __all__ = ["Progress", "Stop", "Watch"]
 
 
 class Progress(NamedTuple):
-    """How far a rationalisation is."""
+    """State of a rationalisation."""
 
     done: int  # rounds
     rounds: int  # at most
@@ -21,14 +21,14 @@ Watch = Optional[Callable[[Progress], object]]
 
 
 class Stop:
-    """Shows progress to a callback, and remembers whether it cancelled."""
+    """Callback of a rationalisation, and whether it has cancelled."""
 
     def __init__(self, callback: Watch, searches: int):
         self._callback, self._searches = callback, searches
-        self.past, self.stopped = 0, False  # searches that are done
+        self.past, self.stopped = 0, False  # completed searches, and whether the callback cancelled
 
     def shown(self, done: int, rounds: int, distance: float) -> bool:
-        """Show how far the search is; return whether to stop."""
+        """Call the callback with the state of the search; return whether to stop."""
         if self._callback is not None and not self.stopped:
             try:
                 self.stopped = self._callback(Progress(self.past * rounds + done, self._searches * rounds, distance)) is True

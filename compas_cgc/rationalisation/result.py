@@ -47,9 +47,9 @@ class Rationalised:
     suggestion
         What to change where the distance is not kept.
     costs
-        Costs of moulds and panels by kind, None where none were given.
+        Costs of moulds and panels by kind, None if there are none.
     weights
-        ``(n,)`` factors by which distances at vertices count. Default: 1.
+        ``(n,)`` factors by which distances at vertices are multiplied. Default: 1.
 
     Examples
     --------
@@ -82,7 +82,7 @@ class Rationalised:
 
     @property
     def facet_deviation(self) -> Optional[float]:
-        """How far the faces of the mesh of the design are from the smooth surface through its vertices [L], None if it is no mesh."""
+        """Largest distance of the edges of a mesh from the smooth surface through its vertices [L], None if the design is not a mesh."""
         return None if self.design.mesh is None else self.design.mesh.facet_deviation
 
     @cached_property
@@ -99,19 +99,19 @@ class Rationalised:
     def farthest(self) -> float:
         """Upper bound of the weighted distance from the design as given [L].
 
-        It is the distance from the surface fitted to a mesh, plus how far that is from the vertices of the mesh.
+        If the design is a mesh, it includes the deviation of the fitted surface from the vertices.
         """
         own = np.abs(self.distance.signed) + self.design.deviation
         return float((own if self.weights is None else self.weights * own).max(initial=0.0))
 
     @property
     def weighted(self) -> bool:
-        """Whether distances count more at some places than at others."""
+        """Whether distances have weights other than 1."""
         return self.weights is not None and bool((self.weights != 1.0).any())
 
     @property
     def costs_of_parts(self) -> tuple[float, float]:
-        """Costs of the moulds and of the panels, 0 where none were given."""
+        """Costs of the moulds and of the panels, 0 without costs."""
         return (0.0, 0.0) if self.costs is None else self.costs.parts(self.curvatures, self.panels_per_class)
 
     @property

@@ -113,11 +113,11 @@ def rationalise(
         Mould, as a position among given radii, of panels that are not to be assigned, by the number of the panel.
     costs
         Pairs, the cost of making a mould and that of a panel that comes off it, for ``"flat"``, ``"sphere"`` and ``"saddle"`` moulds, in
-        any currency. With ``within``, the cheapest surface that keeps this distance, with at most ``moulds`` moulds. Otherwise
-        they are added up and decide nothing. Existing moulds are not paid for.
+        any currency. With ``within``, the cheapest surface that keeps this distance is found, with at most ``moulds`` moulds. Otherwise
+        costs are reported and do not influence the result. Existing moulds cost nothing.
     weights
-        Rows (k, 5) of x, y, z, radius, factor: within this radius of the point [L], distances and folds count so many times, against
-        ``within`` too. Where places overlap the last one counts.
+        Rows (k, 5) of x, y, z, radius, factor: within this radius of the point [L], distances and folds are multiplied by the factor, also
+        in the comparison with ``within``. Where places overlap, the last one applies.
     callback
         Called with a :class:`Progress` after every round; return True or raise ``StopIteration`` to stop with the best surface so
         far.
@@ -189,7 +189,7 @@ def rationalise(
 
 
 def _rank(found: Rationalised, fewest: bool) -> tuple[bool, bool, float, int, float]:
-    """Return what the best of several divisions has least of: fair surfaces first, then the nearest, the cheapest, or the fewest moulds."""
+    """Return the sort key of a division into panels, best first: fair, within the distance, costs, number of moulds, distance."""
     fair = found.result.converged and found.result.verdict.fair
     cheapest = found.within is not None and found.costs is not None
     cost = sum(found.costs_of_parts) if cheapest else 0.0
@@ -257,7 +257,7 @@ def _three_apart(panelling: Panelling) -> Mask:
 
 
 def _allowance(moves: NormalMoves, within: float, deviation: float, costs: Optional[Costs]) -> Allowance:
-    """Return the distances that are allowed; what the surface fitted to a mesh deviates counts as much as what is added to it."""
+    """Return the allowed distances, reduced by the weighted deviation of the surface fitted to a mesh."""
     limits = within - deviation * moves.importance[moves.columns]
     return Allowance(limits, np.bincount(moves.groups, minlength=moves.panels), costs)
 
@@ -280,7 +280,7 @@ def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mas
 
 
 def _most(moulds: MouldsInput) -> int:
-    """Return how many moulds are tried at most."""
+    """Return the largest number of moulds that is tried."""
     if moulds is None:
         return MAX_MOULDS
     return int(moulds) if isinstance(moulds, (int, np.integer)) else len(moulds)

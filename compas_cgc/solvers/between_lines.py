@@ -1,4 +1,4 @@
-"""Roofs with held edges and K > 0: creases and free edges from even triangles of a given number, and the one surface between them."""
+"""Roofs with held edges and K > 0: creases and free edges from a mesh of even triangles, then the one surface between them."""
 
 from __future__ import annotations
 
@@ -47,38 +47,38 @@ from .settings import Settings
 __all__ = ["between_lines", "moves_of_lines"]
 
 EVEN = 600  # vertices of the even triangles on which lines are found
-PLACES = 16  # on a line, for an edge of these triangles, from which their vertices are taken, so that they are evenly spaced
-CORRECTIONS = 8  # of goals; the first leaves about a tenth of what was missed
-WAYS = ((1.0, 1.0), (1.0, 0.8), (1.0, 1.0)), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))  # shares of fold length and K̄, one after the other
-ROUNDED = 1e-10  # what goals are missed by, against their numbers or the size, that is rounding
+PLACES = 16  # points of a line per edge of these triangles, among which their vertices are chosen, so that they are evenly spaced
+CORRECTIONS = 8  # of goals; the first leaves about a tenth of the residual
+WAYS = ((1.0, 1.0), (1.0, 0.8), (1.0, 1.0)), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))  # successive fractions of the fold length and of K̄
+ROUNDED = 1e-10  # residual of goals at rounding level, relative to their numbers or to the size
 
 
 def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
-    """Return the fair surface between the creases and free edges of one that bends and folds least; else None.
+    """Return the fair surface between the creases and free edges of the surface of least bending and folding, None if there is none.
 
-    These lines are found by the method of a choice on even triangles of a given number, so that they rise alike on every mesh: towards a
-    straight fixed edge one principal curvature is unbounded where K̄ > 0, and bending energy with it. The regions between them are
-    solved on the mesh itself. Goals that determine unknown K are asked for with what they miss there added, until they are met
-    (deferred correction by secants). What is there when cancelled is returned, too.
+    Towards a straight fixed edge one principal curvature is unbounded where K̄ > 0, and with it the bending energy. The lines are therefore
+    found on a mesh of even triangles that does not depend on the given one, so that they rise alike on every mesh. The regions between them
+    are solved on the given mesh. For goals that determine unknown K, the numbers prescribed on the even triangles are corrected by the
+    secant method until the goals are met on the given mesh. If the callback cancels, the surface reached so far is returned.
 
     Parameters
     ----------
     problem
         With held edges, creases or free edges, and K̄ > 0.
     choice
-        How lines are found, and then the regions.
+        Method that finds the lines, and methods for the regions between them.
     settings
-        That all methods have.
+        Settings of the solve.
     callback
         Called after every step.
     """
-    # Goals that are met anyway change nothing. Others need unknown K: creases pulled at a few vertices snap from shape to shape.
+    # Bounds that are met change nothing. Other goals need unknown K: creases that are pulled at single vertices snap between shapes.
     needed = [goal for goal in problem.goals if not isinstance(goal, Bound)] if unknown_constants(problem) else []
     asked = problem.with_goals(needed, add=False)
     even = _on_even_triangles(asked)
     if even is None and has_free_edges(problem):
         return None
-    # Within a rim without a plan the mesh itself has to do.
+    # A drawing without a plan bends on its own mesh.
     posed, shown = (asked, callback) if even is None else (even.problem, even.shown(callback))
     best: Optional[Solution] = None
     numbers = wanted = numbers_of(asked)
@@ -92,7 +92,7 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
         if between is None or between.status == "cancelled":
             return between
         met = missed_goal(asked, between) is None
-        # A last correction where goals are met leaves rounding.
+        # Once the goals are met, one more correction reduces their residual to rounding.
         last = best is not None or missed_goal(asked, between, ROUNDED) is None
         best = between if met else best
         if last or numbers is None or wanted is None:
@@ -104,7 +104,7 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
 
 
 def _gains(asked: FloatArray, had: FloatArray, before: Optional[tuple[FloatArray, FloatArray]]) -> FloatArray:
-    """Return how much more is to be asked for one more of every number (g,): as much at first, later as between two surfaces."""
+    """Return the derivatives of the prescribed numbers by the measured ones (g,): 1 at first, then those of the secant."""
     if before is None:
         return np.ones(len(asked))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -113,7 +113,7 @@ def _gains(asked: FloatArray, had: FloatArray, before: Optional[tuple[FloatArray
 
 
 def moves_of_lines(drawn: CGCProblem, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
-    """Return the derivatives by the K of regions of the surface on which creases and free edges are found, as moves (n, 3) [L^3].
+    """Return the moves (n, 3) of creases and free edges, and of the surface on which they are found, per unit of K by region [L^3].
 
     Parameters
     ----------
@@ -141,9 +141,10 @@ def moves_of_lines(drawn: CGCProblem, regions: Sequence[int]) -> Optional[dict[i
 
 
 def _bent(posed: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Solution:
-    """Return the surface that bends and folds least, without goals the one with the least energy that two ways lead to.
+    """Return the surface of least bending and folding; without goals, the one with less energy of two continuations.
 
-    On a long way vertices of lines may snap through one by one. On short ways they snap back, and fewer do where creases are stiff first.
+    During a long continuation single vertices of lines may snap through. They snap back during a short one from less K, and fewer of them
+    snap through if creases are stiffer at first.
     """
     if posed.goals:
         return run_method(METHODS[choice.method], posed, settings=settings, options=choice.options, callback=callback)
@@ -182,7 +183,7 @@ def _between(
 
 
 class _Even:
-    """A problem on even triangles that do not depend on those of the drawing, and the way back along its lines."""
+    """A problem on even triangles that do not depend on those of the drawing, and the interpolation back to the drawing."""
 
     def __init__(self, drawn: CGCProblem, fine: CGCProblem, even: Coarse):
         self.problem = even.problem
@@ -190,13 +191,13 @@ class _Even:
         self._count, self._fine, self._even = len(drawn.vertices), fine, even
 
     def shown(self, callback: Callback) -> Callback:
-        """Return what shows the surfaces of the even triangles on the mesh itself."""
+        """Return a callback that gets the surfaces of the even triangles on the mesh of the drawing."""
         if callback is None:
             return None
         return lambda state: callback(state._replace(vertices=self._even.carried(state.vertices, anew=True)[: self._count]))
 
     def carried(self, solution: Solution) -> Solution:
-        """Return a solution on the even triangles as one on the mesh itself: along lines it is that of splines."""
+        """Return a solution on the even triangles, interpolated on the mesh of the drawing; along lines by splines."""
         own = len(self._even.kept)
         vertices, plan = self._even.carried(solution.vertices, anew=True), self._even.flat
         moved = np.full(vertices.shape, np.nan)
@@ -219,7 +220,7 @@ def _on_even_triangles(problem: CGCProblem) -> Optional[_Even]:
 
 
 def _lines(problem: CGCProblem, plan: FloatArray) -> list[Indices]:
-    """Return the paths along creases and free edges, which end where these meet, turn, or are supported."""
+    """Return the paths along creases and free edges, cut at junctions, sharp turns and supports."""
     edges = edge_faces(problem.faces)
     rim = edges[edges[:, 3] < 0, :2]
     held = problem.roles == FIXED

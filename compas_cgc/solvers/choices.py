@@ -34,7 +34,7 @@ class Choice(NamedTuple):
     method: str
     reason: str
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    then: tuple[Choice, ...] = ()  # how the regions are solved between the lines that were found, the best first
+    then: tuple[Choice, ...] = ()  # methods for the regions between the lines that were found, the best first
 
 
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")

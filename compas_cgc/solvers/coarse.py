@@ -67,7 +67,7 @@ class Coarse:
         up: FloatArray,
     ):
         self.problem, self.kept = problem, kept
-        self.regions = _regions(problem, regions[0])  # on the coarser mesh, for each of the finer one
+        self.regions = _regions(problem, regions[0])  # regions of the coarser mesh within each region of the finer one
         self._fine, self._up = fine, up
         self._parts = [
             (here, there, CarryOver(plans[0][here], plans[1][there]))
@@ -171,7 +171,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
 def _posed(problem: CGCProblem, found: CoarsePlan, here: Mask) -> CGCProblem:
     """Return the problem on a coarser mesh, whose vertices belong to regions (k, r)."""
     corners, asked = problem.faces[found.within], problem.asked
-    # A target between vertices is theirs, without those where none is; else that of the region.
+    # The target at a point is interpolated between vertices with a target, or that of the region if there are none.
     heard = found.weights * asked[corners]
     told = heard.any(axis=1)
     heard = heard / np.where(told, heard.sum(axis=1), 1.0)[:, None]
@@ -198,8 +198,8 @@ def _posed(problem: CGCProblem, found: CoarsePlan, here: Mask) -> CGCProblem:
 
 
 def _elsewhere(problem: CGCProblem) -> FloatArray:
-    """Return the targets of faces none of whose vertices has one (m,): the mean of their region, else that of faces beside it."""
-    # Beside the end of a crease the nearest vertex where K is asked for may lie beyond it, and a region may have none.
+    """Return the target of every face: the mean of its region, or for regions without targets that of the faces beside it (m,)."""
+    # Not the nearest vertex: beside the end of a crease it may belong to another region.
     regions, targets = problem.regions(), problem.face_targets().copy()
     for region, K in enumerate(problem.region_targets()):
         within = problem.targets[problem.region_vertices(region) & problem.asked]
@@ -267,7 +267,7 @@ def _lines(problem: CGCProblem, fixed: Mask) -> Edges:
     u, v = edges[edges[:, 3] >= 0, :2].T
     n, creased = len(fixed), problem.roles == CREASE
     on_crease = np.isin(np.minimum(u, v) * n + np.maximum(u, v), np.sort(problem.creases, axis=1) @ [n, 1])
-    # Some creases are told by their vertices alone.
+    # Some problems name the vertices of creases, but not their edges.
     alone = creased.copy()
     alone[problem.creases] = False
     rim = boundary_vertices(problem.vertices, problem.faces)

@@ -110,18 +110,18 @@ def missed_goal(problem: CGCProblem, solution: Solution, within: float = MISSED)
 
 
 def numbers_of(problem: CGCProblem) -> Optional[FloatArray]:
-    """Return the numbers (g,) that goals ask for, None where another one than of unknown constants has none."""
+    """Return the numbers (g,) that goals prescribe, None if a goal other than an unknown K has no number."""
     goals = [goal for goal in problem.goals if not isinstance(goal, Unknown)]
     return np.array([number_of(goal) for goal in goals]) if all(map(has_number, goals)) else None
 
 
 def numbers_on(problem: CGCProblem, vertices: FloatArray) -> FloatArray:
-    """Return the numbers (g,) that goals ask for as a surface (n, 3) has them."""
+    """Return the numbers (g,) that goals prescribe, measured on a surface (n, 3)."""
     return np.array([number_had(problem, goal, vertices) for goal in problem.goals if not isinstance(goal, Unknown)])
 
 
 def with_numbers(problem: CGCProblem, numbers: FloatArray) -> CGCProblem:
-    """Return a problem whose goals ask for other numbers (g,)."""
+    """Return a problem whose goals prescribe other numbers (g,)."""
     left = iter(numbers.tolist())
     return problem.with_goals([goal if isinstance(goal, Unknown) else with_number(goal, next(left)) for goal in problem.goals], add=False)
 

@@ -121,8 +121,8 @@ def sensitivity(result: SolveResult) -> Sensitivity:
               = \begin{pmatrix} \lambda_i \nabla A_i \\ A_i \end{pmatrix} dK,
 
     factorised once for all regions, with H the second derivative of the Lagrangian, that of the angles and areas
-    included; of a surface by Newton's method from moves along its normals, and of lines that were found before by those of the surface that
-    they were found on. In the smooth measure what the layout of the mesh
+    included; of a surface by Newton's method from moves along its normals, added to the moves of the creases and free edges if these were
+    found first, by bending. In the smooth measure what the layout of the mesh
     puts into K follows the moves, by differences along them. These are the derivatives of the fairest surface, to some 1e-8; in the
     smooth measure a solve by projection ends beside that one, and what it returns for other K differs from them by some 3e-4.
     Constraints of places are held, with the
@@ -204,7 +204,7 @@ def _by_bending(result: SolveResult, regions: Sequence[int]) -> dict[int, FloatA
 
 
 def _of_lines(result: SolveResult, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
-    """Return dx/dK of the surface between whose creases and free edges a surface was found; None for other surfaces."""
+    """Return dx/dK of the surface on which creases and free edges were found, None for results without such lines."""
     if not is_held_along_edges(result.problem):
         return None
     drawn, lines = _drawn(result), ~result.problem.asked
@@ -212,7 +212,7 @@ def _of_lines(result: SolveResult, regions: Sequence[int]) -> Optional[dict[int,
 
 
 def _drawn(result: SolveResult) -> CGCProblem:
-    """Return the drawing of a result, with the constants that were found."""
+    """Return the drawing of a result, with the unknown K that were found."""
     if result.start is None:
         raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
     drawn = result.problem.with_vertices(result.start)
@@ -223,7 +223,7 @@ def _drawn(result: SolveResult) -> CGCProblem:
 def _by_newton(
     problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool, begun: Optional[dict[int, FloatArray]]
 ) -> dict[int, FloatArray]:
-    """Return dx/dK by region, with every vertex moving along its normal, after the moves (n, 3) of what it begins with."""
+    """Return dx/dK by region: given moves (n, 3) of the lines, and moves of the other vertices along their normals."""
     local, frame = problem.local()
     if smooth:
         local = replace(local, faces=read_across(local))
@@ -239,18 +239,18 @@ def _by_newton(
     still = np.zeros_like(local.vertices)
 
     def moves(change: FloatArray, first: FloatArray = still) -> FloatArray:
-        """Return the moves (n, 3) that change K by what is asked (k,), first moves (n, 3) included."""
+        """Return the moves (n, 3), including given ones, that change K by given amounts (k,)."""
         moved = first.copy()
         moved[asked] += factor.solve(areas * change - by_all @ first.ravel())[:, None] * normals
         return moved
 
     change_of = partial(_layout_change, local.vertices, local.faces, asked)
-    told = _with_layout(moves, change_of) if smooth else moves
+    respond = _with_layout(moves, change_of) if smooth else moves
     found = {}
     for region, own in groups.items():
         change = np.isin(asked, own).astype(np.float64)
         first = moves(np.zeros(len(asked)), (begun or {}).get(region, still) / frame.scale**3)
-        found[region] = (told(change + (change_of(first) if smooth else 0.0)) + first) * frame.scale**3
+        found[region] = (respond(change + (change_of(first) if smooth else 0.0)) + first) * frame.scale**3
     return found
 
 

@@ -77,7 +77,7 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
             close = sparse.block_diag(list(weight[:, None, None] ** 2 * blocks), format="csr")
             away = close @ off.ravel() + (fair + stay) @ (points - start).ravel()
         else:
-            # Where the surface turns fast, aims change from step to step. From here on only what makes the faces plane moves corners.
+            # On strongly curved surfaces the aims change in every step, so that the first steps do not converge.
             away = np.zeros(3 * n)
         gap, slopes = _diagonals(points, quadruples)
         matrix = PLANE_WEIGHT**2 * (slopes.T @ slopes) + close + fair + stay

@@ -277,7 +277,7 @@ class _System:
         return regions
 
     def _why_no_graph(self, faces: Faces, normals: FloatArray, number: int) -> str:
-        """Return why a region with face normals (k, 3) is no graph over a plane, with the remedy."""
+        """Return the reason why a region with face normals (k, 3) is not a graph over a plane, and the remedy."""
         cosines = normals @ normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
         if not np.isin(faces[cosines < MIN_COSINE], self.singular_vertices).any(axis=1).all():
             return f"region {number} closes or folds over, so it is no surface over a plane; divide it by a crease"

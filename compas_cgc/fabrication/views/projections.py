@@ -140,7 +140,7 @@ class Shape:
             faces = self.faces[number == region]
             normals = vertex_normals(self.vertices, faces)
             found += level_lines(np.hstack([self.vertices, normals]), faces, normals @ eye, 0.0)
-        # Facets beside a line may hide it, though the curved surface between them does not.
+        # Facets beside a line may hide it although the smooth surface would not.
         beside = BESIDE_RATIO * float(np.linalg.norm(self.high - self.low))
         return [(line[:, :3], line[:, :3] + beside * line[:, 3:]) for line in found]
 
