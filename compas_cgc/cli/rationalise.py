@@ -184,6 +184,8 @@ def _costs(given: Optional[list[list[str]]]) -> Optional[dict[str, tuple[float, 
     """Return the costs of moulds and panels by kind."""
     if given is None:
         return None
+    if len({kind for kind, _, _ in given}) < len(given):
+        raise CGCError("--cost is given twice for one kind of mould; give it once each for flat, sphere and saddle")
     try:
         return {kind: (float(mould), float(panel)) for kind, mould, panel in given}
     except ValueError:

@@ -73,15 +73,20 @@ def costs_of(given: Mapping[str, Sequence[float]]) -> Costs:
     Raises
     ------
     CGCError
-        If a kind is unknown or missing, or a cost is not a number from 0 up.
+        If they are not by kind, a kind is unknown or missing, or a cost is not a number from 0 up.
     """
+    if not isinstance(given, Mapping):
+        raise CGCError(f"costs must be pairs of numbers by {', '.join(KINDS)}, such as {{'sphere': (8000, 450)}}, not {given!r:.60}")
     if set(given) != set(KINDS):
         raise CGCError(f"costs must be given for {', '.join(KINDS)}, a pair of numbers for each, not for {', '.join(map(str, given))}")
     values = []
     for kind in KINDS:
-        own = np.asarray(given[kind], dtype=np.float64)
-        if own.shape != (2,) or not (np.isfinite(own).all() and (own >= 0.0).all()):
-            raise CGCError(f"costs of {kind} must be two numbers from 0 up, of a mould and of a panel, not {given[kind]!r}")
+        try:
+            own = np.asarray(given[kind], dtype=np.float64)
+            if own.shape != (2,) or not (np.isfinite(own).all() and (own >= 0.0).all()):
+                raise ValueError
+        except (TypeError, ValueError):
+            raise CGCError(f"costs of {kind} must be two numbers from 0 up, of a mould and of a panel, not {given[kind]!r:.60}") from None
         values.append(own)
     return Costs(*np.array(values).T)
 

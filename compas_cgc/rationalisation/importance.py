@@ -20,7 +20,8 @@ def importance_at(points: Vertices, places: ArrayLike) -> FloatArray:
     points
         Points of the design [L].
     places
-        Rows x, y, z, radius, factor: the factor counts within this radius of the point [L]. Where places overlap the last one counts.
+        Rows (k, 5) of x, y, z, radius, factor, or their numbers one after another: the factor counts within this radius of the point
+        [L]. Where places overlap the last one counts.
 
     Raises
     ------
@@ -28,10 +29,11 @@ def importance_at(points: Vertices, places: ArrayLike) -> FloatArray:
         If rows are wrong, or no point of the design is within a radius.
     """
     try:
-        rows = np.asarray(places, dtype=np.float64).reshape(-1, 5)
-        if not (np.isfinite(rows).all() and (rows[:, 3:] > 0.0).all()):
+        rows = np.asarray(places, dtype=np.float64)
+        rows = rows.reshape(-1, 5) if rows.ndim == 1 else rows
+        if rows.ndim != 2 or rows.shape[1] != 5 or not (np.isfinite(rows).all() and (rows[:, 3:] > 0.0).all()):
             raise ValueError
-    except ValueError:
+    except (TypeError, ValueError):
         raise CGCError(f"weights must be rows x, y, z, radius, factor with radius and factor above zero, not {places!r:.80}") from None
     factors = np.ones(len(points))
     for *place, radius, factor in rows.tolist():

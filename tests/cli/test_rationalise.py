@@ -64,21 +64,21 @@ def test_a_design_becomes_panels_with_a_report_and_is_read_by_the_mould_command(
     assert read(out) is not None
 
 
-def test_costs_and_weights_of_the_command_line_decide(design, tmp_path, capsys):
+def test_costs_and_weights_are_read_from_the_command_line(design, tmp_path, capsys):
     report = tmp_path / "panels.json"
     command = ["rationalise", str(design), "-o", str(tmp_path / "panels.3dm"), "--panel", "2", "--edges", "4", "--report", str(report)]
     prices = ["--cost", "flat", "0", "1000", "--cost", "sphere", "50", "400", "--cost", "saddle", "9000", "700"]
-    assert main([*command, "--within", "500mm", *prices]) == 0
-    assert json.loads(report.read_text(encoding="utf-8"))["costs"] == {"moulds": 50.0, "panels": 3200.0}
-    assert "costs: 3,250, moulds 50 and panels 3,200" in capsys.readouterr().out
-    assert main([*command, "--moulds", "2", "--weight", "4", "2", "1", "1.5", "10", "--sweep", "1", *prices]) == 0
+    weighted = ["--weight", "4", "2", "1", "1.5", "10", "--sweep", "1"]
+    assert main([*command, "--moulds", "1", *weighted, *prices]) == 0
     record = json.loads(report.read_text(encoding="utf-8"))
+    assert record["costs"] == {"moulds": 0.0, "panels": 8000.0} and "costs: 8,000, moulds 0 and panels 8,000" in capsys.readouterr().out
     assert record["weighted_distance"] > record["distance"]["max"] > 0.0
     table = (tmp_path / "panels.csv").read_text(encoding="utf-8").splitlines()
     assert table[0].split(",")[-2:] == ["costs", "status"] and table[1].split(",")[-2] == "8000.0"
     for wrong, sentence in (
         (["--cost", "sphere", "dear", "450"], "two numbers"),
         (["--cost", "flat", "0", "1"], "costs must be given for"),
+        ([*prices, "--cost", "flat", "0", "1"], "given twice for one kind"),
     ):
         assert main([*command, *wrong]) == REFUSED
         assert sentence in capsys.readouterr().err

@@ -59,11 +59,13 @@ def test_spherical_panels_that_cost_less_replace_flat_ones():
     assert sum(found.costs_of_parts) < 5000.0 + 30 * 1000.0 + 30 * 400.0
 
 
+@pytest.mark.nightly
 def test_a_larger_distance_never_costs_more():
     costs = [sum(rationalised(moulds=None, within=within, costs=COSTS).costs_of_parts) for within in (0.01, 0.03, 0.05)]
     assert costs[0] > costs[1] >= costs[2] > 6000.0
 
 
+@pytest.mark.nightly
 def test_no_division_of_six_panels_on_existing_moulds_costs_less():
     """All 64 assignments are tried."""
 
@@ -96,6 +98,7 @@ def test_without_a_distance_costs_are_added_up_and_decide_nothing():
     assert rows[0]["costs"] == 6000.0 < rows[1]["costs"]
 
 
+@pytest.mark.nightly
 def test_distances_decrease_where_they_count_more():
     design = read_design(mesh_over(bumpy("soft", 3)), tolerance=2e-3)
     place = design.surface.at(np.array([[20.0, 12.5]]))[0]
@@ -121,7 +124,12 @@ def test_distances_decrease_where_they_count_more():
         ({"costs": {"flat": (0, 100)}}, "costs must be given for flat, sphere, saddle"),
         ({"costs": {**COSTS, "sphere": (1.0,)}}, "costs of sphere must be two numbers"),
         ({"costs": {**COSTS, "saddle": (-1.0, 2.0)}}, "costs of saddle must be two numbers"),
+        ({"costs": {**COSTS, "saddle": ("dear", 2.0)}}, "costs of saddle must be two numbers"),
+        ({"costs": [0.0, 100.0]}, "costs must be pairs of numbers by flat, sphere, saddle"),
         ({"weights": [(0.0, 0.0, 1.0)]}, "weights must be rows"),
+        ({"weights": [(0.0, 0.0, 1.0)] * 5}, "weights must be rows"),
+        ({"weights": 3.0}, "weights must be rows"),
+        ({"weights": [{}]}, "weights must be rows"),
         ({"weights": [(0.0, 0.0, 0.0, 1.0, 0.0)]}, "weights must be rows"),
         ({"weights": [(100.0, 0.0, 0.0, 1.0, 2.0)]}, "move it to the design"),
     ],

@@ -134,6 +134,8 @@ WIRES = {
     "surfaces": Wire(_is_surface, "surfaces, Breps or SubDs, or closed curves; a mesh goes to the input mesh"),
     "design": Wire(lambda value: _is_mesh(value) or isinstance(value, (*MESHES, str)), "a mesh, a CGC mesh, or the path of a file"),
     "moulds": Wire(_is_number, "a number of moulds, or radii in model units"),
+    "costs": Wire(_is_number, "six numbers, from 0 up"),
+    "weights": Wire(_is_number, "numbers, five for each place"),
     "seams": Wire(_is_curve, "curves"),
     "curve": Wire(_is_curve, "a curve"),
     "plane": Wire(_is_plane, "a plane"),

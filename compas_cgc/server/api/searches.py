@@ -21,17 +21,21 @@ from ...fabrication import option_values as values
 from ...fabrication.plain_data import plain
 from ...fabrication.tasks import BuildOption
 from ...model.problem import CGCProblem
+from ...rationalisation.costs import KINDS
+from ...rationalisation.costs import costs_of
 
 if TYPE_CHECKING:
     from ...rationalisation.design import GivenDesign
 
-__all__ = ["SEARCHES", "Found", "Search"]
+__all__ = ["MAX_PLACES", "SEARCHES", "Found", "Search"]
+
+MAX_PLACES = 1000  # largest number of places with weights
 
 SEAMS = ("grid", "curvature", "geodesics", "levels", "faces")
 SUPPORTS = ("corners", "boundary", "none")
-KINDS = ("flat", "sphere", "saddle")
 _LENGTH = {"type": "number", "exclusiveMinimum": 0, "maximum": values.LARGEST}
 _PAIR = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number", "minimum": 0}}
+_PLACE = {"type": "array", "minItems": 5, "maxItems": 5, "items": {"type": "number"}}
 _CURVE = {"type": "array", "minItems": 2, "items": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}}
 
 
@@ -98,19 +102,23 @@ def _costs(value: object, name: str) -> dict[str, list[float]]:
     """Return pairs of costs, of a mould and of a panel, by kinds of moulds."""
     if not isinstance(value, Mapping):
         raise CGCError(f"{name} must be an object of kinds of moulds, such as {{'sphere': [8000, 450]}}, not {value!r:.60}")
-    return {str(kind): _row(own, f"the costs of {kind}") for kind, own in value.items()}
+    found = {str(kind): _row(own, f"the costs of {kind}", 2) for kind, own in value.items()}
+    costs_of(found)  # before the job is accepted
+    return found
 
 
 def _weights(value: object, name: str) -> list[list[float]]:
     """Return rows of places, radii and factors."""
     if not isinstance(value, (list, tuple)):
         raise CGCError(f"{name} must be a list of rows x, y, z, radius, factor, not {value!r:.60}")
-    return [_row(own, f"every row of {name}") for own in value]
+    if len(value) > MAX_PLACES:
+        raise CGCError(f"{name} has {len(value)} rows; give at most {MAX_PLACES}")
+    return [_row(own, f"every row of {name}", 5) for own in value]
 
 
-def _row(value: object, name: str) -> list[float]:
-    if not isinstance(value, (list, tuple)):
-        raise CGCError(f"{name} must be a list of numbers, not {value!r:.60}")
+def _row(value: object, name: str, length: int) -> list[float]:
+    if not isinstance(value, (list, tuple)) or len(value) != length:
+        raise CGCError(f"{name} must be a list of {length} numbers, not {value!r:.60}")
     return [values.number(own, name) for own in value]
 
 
@@ -211,7 +219,11 @@ SEARCHES: dict[str, Search] = {
                     "weights",
                     "places where distances count more or less, as rows x, y, z, radius, factor",
                     _weights,
-                    {"type": "array", "items": {"type": "array", "minItems": 5, "maxItems": 5, "items": {"type": "number"}}},
+                    {
+                        "type": "array",
+                        "maxItems": MAX_PLACES,
+                        "items": {"type": "array", "minItems": 5, "maxItems": 5, "items": {"type": "number"}},
+                    },
                 ),
                 BuildOption(
                     "flat", "whether one mould is flat (default: whichever is nearer to the design)", values.truth, {"type": "boolean"}

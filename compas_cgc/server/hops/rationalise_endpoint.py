@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..api.searches import MAX_PLACES
 from .schema import MAX_ITEMS
 from .schema import Endpoint
 from .schema import Input
@@ -67,7 +68,7 @@ def rationalise_endpoint(info: Output) -> Endpoint:
                 "Number",
                 "Places where distances count more: five numbers each, x, y, z, radius and factor.",
                 many=True,
-                most=MAX_ITEMS,
+                most=5 * MAX_PLACES,
                 optional=True,
             ),
         ),

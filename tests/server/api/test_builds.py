@@ -165,6 +165,22 @@ def test_a_design_becomes_panels_on_few_moulds(client):
         client.build("rationalise", vertices, np.array(quads), settings={"panel": -2.0})
 
 
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"costs": {"flat": [0, 100]}}, "costs must be given for flat, sphere, saddle"),
+        ({"costs": {"flat": [0, 100], "sphere": [1, 2, 3], "saddle": [0, 1]}}, "the costs of sphere must be a list of 2 numbers"),
+        ({"costs": {"flat": [0, 100], "sphere": [1, 2], "saddle": [-1, 1]}}, "costs of saddle must be two numbers from 0 up"),
+        ({"weights": [[0, 0, 1]] * 5}, "every row of 'weights' must be a list of 5 numbers"),
+        ({"weights": [[0, 0, 0, 1, 1]] * 1001}, "'weights' has 1001 rows; give at most 1000"),
+    ],
+)
+def test_wrong_costs_and_weights_are_refused_before_a_job_starts(client, settings, sentence):
+    vertices, quads = mesh_over(bowl, 8.0, 4.0, 0.5)
+    with pytest.raises(Refused, match=sentence):
+        client.build("rationalise", vertices, np.array(quads), settings=settings)
+
+
 def test_seams_moulds_and_locked_panels_of_a_design_are_given(client):
     def height(x, y):
         return 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2

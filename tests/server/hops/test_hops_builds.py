@@ -91,21 +91,26 @@ def test_locked_panels_of_a_design_keep_their_moulds(hops):
     assert "panel 5 cannot be locked to mould 2" in errors[0]
 
 
-def test_costs_and_weights_decide_between_surfaces(hops):
-    vertices, quads = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2, 8.0, 4.0, 0.5)
-    given = {"Mesh": mesh_from_arrays(vertices, np.array(quads)), "Panel": 2.0, "Within": 0.5}
-    _, outputs, errors, _ = hops("rationalise").solve(**given, Costs=[0.0, 100.0, 5000.0, 400.0, 9000.0, 700.0])
+SHALLOW = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2, 8.0, 4.0, 0.5)
+PRICED = {"Mesh": mesh_from_arrays(SHALLOW[0], np.array(SHALLOW[1])), "Panel": 2.0, "Within": 0.5}
+
+
+def test_the_cheapest_surface_within_a_distance_is_flat(hops):
+    _, outputs, errors, _ = hops("rationalise").solve(**PRICED, Costs=[0.0, 100.0, 5000.0, 400.0, 9000.0, 700.0])
     assert errors == [] and outputs["K"] == [0.0] and "costs: 800, moulds 0 and panels 800" in outputs["Info"][0]
-    _, outputs, errors, _ = hops("rationalise").solve(**given, Costs=[0.0, 1000.0, 5.0, 400.0, 9000.0, 700.0])
+    for wrong, sentence in (({"Costs": [1.0, 2.0]}, "costs are six numbers"), ({"Weights": [4.0, 2.0]}, "weights must be rows")):
+        _, _, errors, _ = hops("rationalise").solve(**PRICED, **wrong)
+        assert sentence in errors[0]
+
+
+@pytest.mark.nightly
+def test_costs_and_weights_decide_between_surfaces(hops):
+    _, outputs, errors, _ = hops("rationalise").solve(**PRICED, Costs=[0.0, 1000.0, 5.0, 400.0, 9000.0, 700.0])
     assert errors == [] and outputs["K"][0] > 0.0 and "costs: 3,205, moulds 5 and panels 3,200" in outputs["Info"][0]
-    _, _, errors, _ = hops("rationalise").solve(**given, Costs=[1.0, 2.0])
-    assert "costs are six numbers" in errors[0]
-    given = {**given, "Moulds": 1, "Within": 0.0}
+    given = {**PRICED, "Moulds": 1, "Within": 0.0}
     _, even, _, _ = hops("rationalise").solve(**given)
     _, outputs, errors, _ = hops("rationalise").solve(**given, Weights=[4.0, 2.0, 1.0, 1.0, 20.0])
     assert errors == [] and outputs["Distance"] != even["Distance"]
-    _, _, errors, _ = hops("rationalise").solve(**given, Weights=[4.0, 2.0])
-    assert "weights must be rows" in errors[0]
 
 
 def test_sheets_have_margins_and_allowances(hops):

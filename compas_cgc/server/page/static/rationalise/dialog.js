@@ -177,7 +177,7 @@ export class Rationaliser {
   }
 
   set costs(costs) {
-    for (const kind of KINDS) this.costFields(kind).forEach((field, k) => showNumber(field, costs?.[kind][k]));
+    for (const kind of KINDS) this.costFields(kind).forEach((field, k) => showNumber(field, costs?.[kind]?.[k]));
   }
 
   costFields(kind) {
