@@ -63,7 +63,7 @@ def views_of(views: FloatArray, normals: FloatArray, owner: IntArray, count: int
     if len(views) == 1:
         return np.zeros(count, np.int64)
     total *= np.copysign(1.0, normals[:, 2].sum())
-    steep = total[:, 2] < UPRIGHT * np.linalg.norm(total, axis=1)
+    steep = np.abs(total[:, 2]) < UPRIGHT * np.linalg.norm(total, axis=1)
     return np.where(steep, 1 + np.argmax(total @ views[1:, 2].T, axis=1), 0)
 
 
@@ -72,7 +72,7 @@ def is_plan(axes: FloatArray) -> bool:
     return bool(axes[2, 2] == 1.0)
 
 
-def view_name(axes: FloatArray, north: tuple[float, float] = (0.0, 1.0)) -> str:
+def view_name(axes: FloatArray, north: tuple[float, float]) -> str:
     """Return the name of a view: plan, elevation, or the elevation from a side for a direction of north in plan."""
     if is_plan(axes):
         return "plan"

@@ -189,7 +189,8 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
     corner = f"; its lower left corner lies at x = {low[0]:.1f}, y = {low[1]:.1f} of the model" if is_plan(schedule.view) else ""
     whole = sum(lath.length for lath in schedule.laths) * schedule.unit
     about = f"strips: all lengths in mm; the lower edge lies inside; the face towards the viewer is the right one; {whole:.1f} m in all"
-    notes = [about, *_notes(schedule), f"the {view_name(schedule.view)} at the right is {seen_from(schedule.view)}{corner}"]
+    view = view_name(schedule.view, schedule.key.north or (0.0, 1.0))
+    notes = [about, *_notes(schedule), f"the {view} at the right is {seen_from(schedule.view)}{corner}"]
     both = strips._replace(lines=[*strips.lines, *plan.lines], texts=[*strips.texts, *plan.texts])
     drawing = with_legend(both, MEANINGS, notes, 0.3 * width, across)
     return drawing._replace(size=(across + PLAN_GAP * width + plan.size[0], drawing.size[1]))

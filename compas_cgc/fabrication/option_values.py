@@ -10,6 +10,8 @@ from typing import Optional
 from typing import Union
 
 from ..errors import CGCError
+from ..model.units import LONGEST_TEXT
+from ..model.units import UNIT_SYMBOLS
 from ..model.units import GivenLength
 from ..model.units import Length
 from ..model.units import length_of
@@ -126,7 +128,8 @@ def sheets(value: object, what: str) -> list[Sheet]:
 
 def _of_sheet(value: object) -> tuple[list[str], Optional[str]]:
     """Return the numbers and the unit of a text such as ``3000x1500mm``; no numbers if it has another form."""
-    found = re.fullmatch(r"\s*([0-9.]+)\s*[x×X]\s*([0-9.]+)\s*(mm|cm|m|in|ft)?\s*", value) if isinstance(value, str) else None
+    text = value.strip() if isinstance(value, str) and len(value) <= LONGEST_TEXT else ""
+    found = re.fullmatch(rf"([0-9.]+)\s*[x×X]\s*([0-9.]+)\s*({'|'.join(UNIT_SYMBOLS.values())})?", text)
     return ([found.group(1), found.group(2)], found.group(3)) if found else ([], None)
 
 

@@ -11,10 +11,23 @@ from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
 
-__all__ = ["with_short_lines"]
+__all__ = ["line_edges", "with_short_lines"]
 
 # The children of a face (a, b, c) whose edges ab, bc, ca have the middles 3, 4, 5, for the first one, two or three of these.
 CHILDREN = {1: ((0, 3, 2), (3, 1, 2)), 2: ((3, 1, 4), (0, 3, 4), (0, 4, 2)), 3: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))}
+
+
+def line_edges(problem: CGCProblem) -> IntArray:
+    """Return the edges (c, 2) along the rim, creases and lines of supports, each from its smaller vertex to its larger one."""
+    edges = edge_faces(problem.faces)
+    n = len(problem.vertices)
+    rim = np.zeros(n, bool)
+    rim[edges[edges[:, 3] < 0, :2]] = True
+    ends = np.sort(edges[:, :2], axis=1)
+    on_crease = np.isin(ends @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1])
+    # An edge between two supports of the rim may cross the surface.
+    held = (problem.roles[ends] == FIXED).all(axis=1) & ~rim[ends].all(axis=1)
+    return np.asarray(ends[(edges[:, 3] < 0) | on_crease | held])
 
 
 def with_short_lines(problem: CGCProblem, longest: float) -> CGCProblem:
@@ -30,25 +43,12 @@ def with_short_lines(problem: CGCProblem, longest: float) -> CGCProblem:
         Largest length of these edges [L].
     """
     while True:
-        edges = _lines(problem)
+        edges = line_edges(problem)
         u, v = edges.T
         long = np.linalg.norm(problem.vertices[v] - problem.vertices[u], axis=1) > longest
         if not long.any():
             return problem
         problem = _halved(problem, edges[long])
-
-
-def _lines(problem: CGCProblem) -> IntArray:
-    """Return the edges (c, 2) along the rim, creases and lines of supports, each from its smaller vertex to its larger one."""
-    edges = edge_faces(problem.faces)
-    n = len(problem.vertices)
-    rim = np.zeros(n, bool)
-    rim[edges[edges[:, 3] < 0, :2]] = True
-    ends = np.sort(edges[:, :2], axis=1)
-    on_crease = np.isin(ends @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1])
-    # An edge between two supports of the rim may cross the surface.
-    held = (problem.roles[ends] == FIXED).all(axis=1) & ~rim[ends].all(axis=1)
-    return np.asarray(ends[(edges[:, 3] < 0) | on_crease | held])
 
 
 def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:

@@ -12,11 +12,12 @@ from typing import overload
 
 from ..errors import CGCError
 
-__all__ = ["METRES", "UNIT_SYMBOLS", "GivenLength", "Length", "length_of", "millimetres_of", "within"]
+__all__ = ["LONGEST_TEXT", "METRES", "UNIT_SYMBOLS", "GivenLength", "Length", "length_of", "millimetres_of", "within"]
 
 # Length of one drawing unit in metres.
 METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Kilometers": 1e3, "Inches": 0.0254, "Feet": 0.3048, "Yards": 0.9144}
 UNIT_SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
+LONGEST_TEXT = 60  # characters of a length
 _SUFFIXES = {symbol: METRES[name] for name, symbol in UNIT_SYMBOLS.items()}
 
 
@@ -27,8 +28,16 @@ class Length(NamedTuple):
     metres: float  # of its unit
 
     def within(self, units: Optional[str]) -> float:
-        """Return the length in the units of a drawing, such as ``Millimeters`` [L]; unknown units count as metres."""
-        return self.value * (self.metres / METRES.get(units or "Meters", 1.0))
+        """Return the length in the units of a drawing, such as ``Millimeters``, by default metres [L].
+
+        Raises
+        ------
+        CGCError
+            If the drawing has other units.
+        """
+        if units and units not in METRES:
+            raise CGCError(f"the drawing is in {units}, to which lengths are not converted; give them as numbers in these units")
+        return self.value * (self.metres / METRES[units or "Meters"])
 
 
 GivenLength = Union[float, Length]  # a number in the units of the drawing, or a length with its unit
@@ -47,10 +56,11 @@ def length_of(value: object, what: str) -> GivenLength:
     >>> length_of("350 mm", "the edge length").within("Millimeters"), length_of("0.35", "the edge length")
     (350.0, 0.35)
     """
-    found = re.fullmatch(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z\"']*)\s*", value) if isinstance(value, str) else None
+    text = value.strip() if isinstance(value, str) and len(value) <= LONGEST_TEXT else ""
+    found = re.fullmatch(r"([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z\"']*)", text)
     unit = found.group(2).casefold() if found else ""
     try:
-        number = float(found.group(1) if found else value)  # type: ignore[arg-type]
+        number = math.nan if isinstance(value, str) and not found else float(found.group(1) if found else value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if isinstance(value, bool) or not math.isfinite(number):

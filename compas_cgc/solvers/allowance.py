@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Callable
 from typing import Optional
+from typing import TypeVar
 
 from ..errors import joined
 from ..linalg.work import Work
@@ -21,6 +22,9 @@ SMALL = 400  # vertices, of which smaller meshes are taken to have as many: they
 REASONS = 2500  # more of them for a search for why there is none
 FLOW_STEP = 40  # that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
+
+
+Found = TypeVar("Found", Solution, Optional[Solution])
 
 
 class Allowance:
@@ -48,14 +52,14 @@ class Allowance:
         """Whether nothing is left."""
         return self._left <= 0.0
 
-    def solved(self, run: Callable[[], Solution]) -> Solution:
-        """Return the solution of a run within the work that it may take."""
+    def solved(self, run: Callable[[], Found]) -> Found:
+        """Return the solution of a run within the work that it may take, None if the run has none."""
         granted = min(self._left, EACH * self._unit)
         work = Work(granted if self._left < math.inf else math.inf)
         with work.counted():
             solution = run()
         if self._left < math.inf:
             self._left -= granted - max(0.0, work.left)
-        if not work.spent or solution.status != "stalled":
+        if solution is None or not work.spent or solution.status != "stalled":
             return solution
         return solution._replace(message=joined([solution.message, GIVEN_UP], ""))

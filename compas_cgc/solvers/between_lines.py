@@ -17,6 +17,7 @@ from ..discrete.arrays import Indices
 from ..errors import joined
 from ..meshing.coarse_plan import cut_at_turns
 from ..meshing.creases import crease_paths
+from ..model.divided import line_edges
 from ..model.divided import with_short_lines
 from ..model.goals.binding import unknown_constants
 from ..model.goals.inequalities import Bound
@@ -26,7 +27,6 @@ from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.roles import FIXED
-from .choices import ALONG_EDGES
 from .choices import Choice
 from .coarse import Coarse
 from .coarse import laid_out_anew
@@ -66,7 +66,7 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
     problem
         With held edges, creases or free edges, and K̄ > 0.
     choice
-        Method that finds the lines, and methods for the regions between them.
+        Whose methods solve the regions between the lines.
     settings
         Settings of the solve.
     callback
@@ -81,10 +81,11 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
     # A drawing without a plan bends on its own mesh.
     posed, shown = (asked, callback) if even is None else (even.problem, even.shown(callback))
     best: Optional[Solution] = None
-    numbers = wanted = numbers_of(asked)
+    wanted = numbers_of(asked)
+    numbers = wanted
     before: Optional[tuple[FloatArray, FloatArray]] = None
     for _ in range(CORRECTIONS):
-        bent = _bent(posed, choice, settings, shown)
+        bent = _bent(posed, settings, shown)
         found = bent if even is None else even.carried(bent)
         if found.status == "cancelled":
             return found
@@ -95,7 +96,7 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
         # Once the goals are met, one more correction reduces their residual to rounding.
         last = best is not None or missed_goal(asked, between, ROUNDED) is None
         best = between if met else best
-        if last or numbers is None or wanted is None:
+        if last or wanted is None or numbers is None:
             break
         had = numbers_on(asked, between.vertices)
         numbers, before = numbers + _gains(numbers, had, before) * (wanted - had), (numbers, had)
@@ -112,7 +113,7 @@ def _gains(asked: FloatArray, had: FloatArray, before: Optional[tuple[FloatArray
     return np.where(np.isfinite(gains) & (gains > 0.0), gains, 1.0)
 
 
-def moves_of_lines(drawn: CGCProblem, regions: Sequence[int]) -> Optional[dict[int, FloatArray]]:
+def moves_of_lines(drawn: CGCProblem, regions: Sequence[int], settings: Optional[Settings] = None) -> Optional[dict[int, FloatArray]]:
     """Return the moves (n, 3) of creases and free edges, and of the surface on which they are found, per unit of K by region [L^3].
 
     Parameters
@@ -121,47 +122,53 @@ def moves_of_lines(drawn: CGCProblem, regions: Sequence[int]) -> Optional[dict[i
         The drawing, with K given.
     regions
         Their numbers.
+    settings
+        Settings of the solve.
 
     Returns
     -------
     dict or None
         By region; None where :func:`between_lines` finds no lines.
     """
-    even = _on_even_triangles(drawn.with_goals([], add=False))
-    if even is None:
-        return None
-    found = _bent(even.problem, ALONG_EDGES, None, None)
+    posed = drawn.with_goals([], add=False)
+    even = _on_even_triangles(posed)
+    posed = posed if even is None else even.problem
+    found = _bent(posed, settings, None)
     if found.status != "converged":
         return None
-    here, result = even.carried(found).vertices, {}
+    own: PolishSettings = settings_of(METHODS["bending"], settings)  # type: ignore[assignment]
+    result = {}
     for region in regions:
-        moves = sum(moves_by_constants(even.problem, PolishSettings(), found.vertices, even.regions[region]).values())
-        result[region] = even.carried(found._replace(vertices=found.vertices + moves)).vertices - here
+        parts = [region] if even is None else even.regions[region]
+        moves = np.sum(list(moves_by_constants(posed, own, found.vertices, parts).values()), axis=0)
+        ahead = found._replace(vertices=found.vertices + moves)
+        result[region] = moves if even is None else even.carried(ahead).vertices - even.carried(found).vertices
     return result
 
 
-def _bent(posed: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Solution:
+def _bent(posed: CGCProblem, settings: Optional[Settings], callback: Callback) -> Solution:
     """Return the surface of least bending and folding; without goals, the one with less energy of two continuations.
 
     During a long continuation single vertices of lines may snap through. They snap back during a short one from less K, and fewer of them
     snap through if creases are stiffer at first.
     """
     if posed.goals:
-        return run_method(METHODS[choice.method], posed, settings=settings, options=choice.options, callback=callback)
+        return run_method(METHODS["bending"], posed, settings=settings, callback=callback)
     given: PolishSettings = settings_of(METHODS["bending"], settings)  # type: ignore[assignment]
-    found: list[Solution] = []
+    ends = []
     for way in WAYS:
         last: Optional[Solution] = None
         for folds, part in way:
             own = replace(given, fold_length=folds * given.fold_length)
             start = None if last is None else last.vertices
             last = polish(posed.with_targets(part * posed.targets), settings=own, start=start, callback=callback)
+            if last.status == "cancelled":
+                return last
+            if last.status != "converged" or folds == part == 1.0:
+                ends.append(last)
             if last.status != "converged":
                 break
-            found += [last] * (folds == part == 1.0)
-        if last is not None and (last.status == "cancelled" or not found):
-            return last
-    return min(found, key=lambda one: one.branches[0].energy)
+    return min(ends, key=lambda one: one.branches[0].energy if one.branches else math.inf)
 
 
 def _between(
@@ -213,8 +220,11 @@ def _on_even_triangles(problem: CGCProblem) -> Optional[_Even]:
     """Return a problem on even triangles; None where the drawing has no plan, or lines too close for so few triangles."""
     if not problem.real_faces.all():
         return None
-    area = float(face_areas(problem.vertices, problem.faces).sum())
-    fine = with_short_lines(problem, math.sqrt(area / EVEN) / PLACES)
+    step = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()) / EVEN)
+    edges = problem.vertices[line_edges(problem)]
+    if float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).sum()) > EVEN * step:
+        return None
+    fine = with_short_lines(problem, step / PLACES)
     even = laid_out_anew(fine, EVEN)
     return None if even is None else _Even(problem, fine, even)
 

@@ -25,7 +25,7 @@ from .registry import METHODS
 from .registry import method_of
 from .settings import Settings
 
-__all__ = ["ALONG_EDGES", "Choice", "choose"]
+__all__ = ["Choice", "choose"]
 
 
 class Choice(NamedTuple):
@@ -51,7 +51,6 @@ RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
 BETWEEN = (RIM, PLAIN_RIM)
 DETERMINED = "K̄ > 0 determines regions between fixed edges, creases and free edges that bend and fold least"
-ALONG_EDGES = Choice("bending", DETERMINED, then=BETWEEN)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K", SMOOTH)
 PLAIN_UNKNOWN = Choice("newton", "one goal determines one unknown K, and the smooth measure does not converge")
 
@@ -83,22 +82,27 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         if held_by_newton(problem):
             return [ONE_UNKNOWN, PLAIN_UNKNOWN, GOALS]
-        then = BETWEEN if is_held_along_edges(problem) else ()
         if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
-            return [SOUGHT._replace(then=then), GOALS]
+            return [*_between(problem, SOUGHT), GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.
         loose = has_free_edges(problem) or len(problem.creases)
         if not loose or not takes_goals(problem) or keeps_shape(problem):
             return [GOALS]
-        return [MEETS._replace(then=then), GOALS]
+        return [*_between(problem, MEETS), GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
         return [FLOW, BENDING]
     if is_held_all_round(problem):
         return [RIM, PLAIN_RIM, BENDING]
-    loose, along = has_free_edges(problem), is_held_along_edges(problem)
-    if not loose and (along or not len(problem.creases)):
-        return [ALONG_EDGES, HELD] if along else [HELD, BENDING]
-    if keeps_shape(problem):
-        return [DRAWN, BENDING]
-    return [ALONG_EDGES if along else BENDING]
+    loose = has_free_edges(problem)
+    if not loose and not len(problem.creases):
+        return [HELD, BENDING]
+    if not loose and is_held_along_edges(problem):
+        return [*_between(problem, BENDING), HELD]
+    return [DRAWN, BENDING] if keeps_shape(problem) else _between(problem, BENDING)
+
+
+def _between(problem: CGCProblem, choice: Choice) -> list[Choice]:
+    """Return a choice, first for lines between which the regions are solved, where some edges are held and K̄ > 0."""
+    between = choice._replace(reason=DETERMINED, then=BETWEEN)
+    return [between, choice] if is_held_along_edges(problem) else [choice]

@@ -80,10 +80,12 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             choice = choice._replace(reason=f"{choice.reason}; {BELOW}")
         own = _Attempt(choice, settings, callback, allowed)
         solution = own.solved(posed, problem)
+        if solution is None:
+            continue
         even = None if solution.verdict is None or solution.is_fair else evened(posed, solution.vertices)
         if even is not None:
             again = own.solved(posed.with_vertices(even), problem.with_vertices(even))
-            if again.is_fair:
+            if again is not None and again.is_fair:
                 solution = again._replace(message=joined([again.message, EVENED]))
         tried.append((solution, choice))
         if solution.is_fair:
@@ -118,12 +120,13 @@ class _Attempt(NamedTuple):
     callback: Callback
     allowed: Allowance
 
-    def solved(self, posed: CGCProblem, problem: CGCProblem) -> Solution:
-        """Return the solution of a problem as it is posed to the method, which may be flipped, with a verdict where it has arrived."""
+    def solved(self, posed: CGCProblem, problem: CGCProblem) -> Optional[Solution]:
+        """Return the solution of a problem as it is posed to the method, which may be flipped, with a verdict where it has arrived.
+
+        None where no fair surface lies between the lines that were found.
+        """
         if self.choice.then:
-            between = between_lines(problem, self.choice, self.settings, self.callback)
-            if between is not None:
-                return between
+            return self.allowed.solved(partial(between_lines, problem, self.choice, self.settings, self.callback))
         method, options = METHODS[self.choice.method], self.choice.options
         run = partial(run_method, method, posed, settings=self.settings, options=options, callback=self.callback)
         return judged(self.allowed.solved(run), problem, self.callback)

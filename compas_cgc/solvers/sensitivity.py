@@ -38,6 +38,7 @@ from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 from .between_lines import moves_of_lines
 from .projection.settings import ProjectionSettings
+from .settings import Settings
 
 __all__ = ["Sensitivity", "sensitivity"]
 
@@ -208,7 +209,8 @@ def _of_lines(result: SolveResult, regions: Sequence[int]) -> Optional[dict[int,
     if not is_held_along_edges(result.problem):
         return None
     drawn, lines = _drawn(result), ~result.problem.asked
-    return moves_of_lines(drawn, regions) if (drawn.vertices != result.vertices)[lines].any() else None
+    settings = result.settings if isinstance(result.settings, Settings) else None
+    return moves_of_lines(drawn, regions, settings) if (drawn.vertices != result.vertices)[lines].any() else None
 
 
 def _drawn(result: SolveResult) -> CGCProblem:

@@ -85,7 +85,7 @@ def test_steep_pieces_and_panels_are_drawn_in_elevations():
     boxes = [text_box(text.text, text.place, text.height) for text in names]
     assert not any(overlap(one, other) for k, one in enumerate(boxes) for other in boxes[:k])
     sheets = panel_sheets(problem, moulds(problem, panels(problem, 2.0), rough=True))
-    assert {view_name(own.view) for own in sheets} == {"plan", *sides}
+    assert {view_name(own.view, (0.0, 1.0)) for own in sheets} == {"plan", *sides}
     for own in sheets:
         corners = own.corners - own.corners.mean(axis=0)
         normal = np.linalg.svd(corners)[2][2]

@@ -33,7 +33,7 @@ def roof(outline, walls, K: float, length: float, creases=()) -> CGCProblem:
 @pytest.mark.parametrize(
     "outline, walls, K, creases",
     [
-        (SQUARE, (0, 2), 0.01, ()),
+        pytest.param(SQUARE, (0, 2), 0.01, (), marks=pytest.mark.nightly),
         (SQUARE, (0, 2), 0.01, ([[0.0, 5.0], [10.0, 5.0]],)),
         pytest.param(SQUARE, (0, 3), 0.01, (), marks=pytest.mark.nightly),
         pytest.param(SQUARE, (0, 1, 3), 0.01, (), marks=pytest.mark.nightly),
@@ -53,14 +53,23 @@ def test_a_roof_on_walls_is_fair_and_as_high_on_every_mesh(outline, walls, K, cr
 def test_it_rises_evenly_with_K():
     """On the way from the plate single vertices of the free edges snap through for some K: 1 to 3 % lower than for those beside."""
     problem = roof([(0, 0), (15, 0), (15, 15), (0, 15)], (0, 2), 0.004, 1.25)
-    heights = np.array([np.ptp(solve(problem.with_targets(K)).vertices[:, 2]) for K in (0.0036, 0.0038, 0.004, 0.0042)])
+    heights = np.array([np.ptp(solve(problem.with_targets(K)).vertices[:, 2]) for K in (0.0038, 0.0039, 0.004)])
     steps = np.diff(heights)
     assert (steps > 0.0).all() and steps.max() < 1.1 * steps.min()
 
 
+@pytest.mark.nightly
 def test_a_rise_is_met_by_the_K_that_gives_it():
     problem = roof(SQUARE, (0, 2), 0.01, 0.8)
     found = solve(problem, goals=[Rise(2.5), Unknown([0])])
     assert found.verdict.fair and np.ptp(found.vertices[:, 2]) == pytest.approx(2.5, rel=1e-6)
     again = solve(problem, targets=found.problem.targets)
     assert np.ptp(again.vertices[:, 2]) == pytest.approx(2.5, rel=1e-3)
+
+
+def test_a_strip_of_which_few_triangles_would_be_flat_bends_on_its_own_mesh():
+    mesh = CGCMesh.from_meshgrid(dx=400.0, dy=0.4, nx=80, ny=2)
+    mesh.set_supports([vertex for vertex in mesh.vertices() if mesh.vertex_coordinates(vertex)[1] == 0.0])
+    mesh.set_target(1e-5)
+    result = solve(mesh, settings={"steps": 3})
+    assert result.status in ("converged", "step_limit") and result.method == "bending"
