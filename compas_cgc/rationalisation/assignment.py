@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from collections.abc import Iterator
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,6 +27,8 @@ from .linear_search import promising_panels
 from .linear_search import search
 from .normal_moves import NormalMoves
 from .normal_moves import Sensitivities
+from .progress import Shown
+from .progress import part_of
 
 __all__ = ["Moulds", "Placed", "assign", "catalogue", "cheapened", "finished", "rank"]
 
@@ -47,8 +48,6 @@ LAST_POWERS = (16, 32, 64, 128)  # of the norms that are reduced in the end, tow
 LEAST = 1e-3  # weight of no distance against that of the largest
 SHORTEST_EVENING = 1.0 / 32.0  # part of a step of a round, below which it ends
 ENOUGH = 0.97  # of the norm of the best surface, below which a round has to promise to come
-
-Watch = Callable[[int, int, float], bool]  # rounds done, rounds at most, largest distance [L]; true cancels
 
 
 class Placed(NamedTuple):
@@ -73,7 +72,7 @@ class Moulds(NamedTuple):
     locked: Optional[IntArray] = None  # (p,) mould of panels that are locked, -1 elsewhere; needs values
 
 
-def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) -> Placed:
+def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Shown] = None) -> Placed:
     """Return the best assignment found of panels to moulds, with its surface.
 
     From the best of several clusterings, rounds of: linearise the surface in the K of every panel, move a few panels to other moulds
@@ -98,38 +97,48 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
     return best
 
 
-def cheapened(moves: NormalMoves, placed: Placed, allowance: Allowance, watch: Optional[Watch] = None) -> Placed:
+def cheapened(moves: NormalMoves, placed: Placed, allowance: Allowance, watch: Shown) -> Placed:
     """Return an assignment on cheaper and fewer moulds whose solved surface stays within the allowed distance, if the given one does.
 
     Panels move to cheaper moulds in rounds as in :func:`assign`. Before and after, moulds are closed if that costs less, and their panels
     come off the moulds of nearest K.
     """
-    if not allowance.keeps(moves.criteria(placed.moves)):
+    exceeded, _, _ = rank(moves, allowance, placed)
+    if exceeded:
         return placed
-    here = _cheaper_panels(moves, _fewer_moulds(moves, placed, allowance), allowance, watch)
-    return _fewer_moulds(moves, here, allowance)
+    here = _fewer_moulds(moves, placed, allowance, part_of(watch, 0, 3))
+    here = _cheaper_panels(moves, here, allowance, part_of(watch, 1, 3))
+    return _fewer_moulds(moves, here, allowance, part_of(watch, 2, 3))
 
 
-def _cheaper_panels(moves: NormalMoves, here: Placed, allowance: Allowance, watch: Optional[Watch]) -> Placed:
+def _cheaper_panels(moves: NormalMoves, here: Placed, allowance: Allowance, watch: Shown) -> Placed:
     """Move panels to cheaper moulds in rounds, fewer of them after every round that fails."""
     trust, done = max(1, round(TRUST * moves.panels)), 0
-    while trust and not (watch is not None and watch(done, done + ROUNDS, here.distance)):
+    while trust and not watch(done, done + ROUNDS, here.distance):
         there, changed, _ = _improved(moves, here, trust, allowance)
         here, trust = (there, trust) if rank(moves, allowance, there) < rank(moves, allowance, here) else (here, changed // 3)
         done += 1
     return here
 
 
-def _fewer_moulds(moves: NormalMoves, here: Placed, allowance: Allowance) -> Placed:
+def _fewer_moulds(moves: NormalMoves, here: Placed, allowance: Allowance, watch: Shown) -> Placed:
     """Close moulds if that costs less, in ascending order of their panels."""
-    for mould in np.argsort(np.bincount(here.assigned.classes, minlength=len(here.assigned.values)), kind="stable").tolist():
+    order = np.argsort(np.bincount(here.assigned.classes, minlength=len(here.assigned.values)), kind="stable").tolist()
+    for done, mould in enumerate(order):
+        if watch(done, len(order), here.distance):
+            break
         here = min(here, _without(moves, here, mould), key=lambda own: rank(moves, allowance, own))
     return here
 
 
 def rank(moves: NormalMoves, allowance: Optional[Allowance], placed: Placed) -> tuple[bool, float, float]:
-    """Return the sort key of an assignment, best first: whether it exceeds the distance, its costs, and its largest distance [L]."""
+    """Return the sort key of an assignment, best first: whether it exceeds the distance, its costs, and its largest distance [L].
+
+    An assignment without a solved surface is the worst.
+    """
     largest = float(np.abs(moves.distances(placed.moves)).max(initial=0.0))
+    if not np.isfinite(placed.norm):
+        return True, np.inf, largest
     if allowance is None or not allowance.keeps(moves.criteria(placed.moves)):
         return True, 0.0, largest
     return False, allowance.total(placed.assigned.values, placed.assigned.classes), largest
@@ -218,7 +227,7 @@ def finished(moves: NormalMoves, placed: Placed) -> Placed:
         if moves.error(here, assigned.K) <= DONE:
             break
         here = moves.newton(here, assigned.K, 1)
-    return Placed(assigned, here, _norm(moves, here))
+    return _solved(moves, assigned, here)
 
 
 def evened(moves: NormalMoves, placed: Placed, powers: Sequence[int] = (POWER,)) -> Placed:
@@ -330,12 +339,19 @@ def _moved(one: Assignment, other: Assignment) -> int:
 
 def _placed(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
     """Return an assignment with a surface near given moves, of infinite norm where there is none."""
-    here, close = near, max(DONE, CLOSE * min(1.0, moves.bend))
+    here = near
     for _ in range(LINEARISATIONS):
-        if moves.error(here, assigned.K) <= close:
-            return Placed(assigned, here, _norm(moves, here))
+        placed = _solved(moves, assigned, here)
+        if np.isfinite(placed.norm):
+            return placed
         here = moves.newton(here, assigned.K, STEPS)
-    return Placed(assigned, here, _norm(moves, here) if moves.error(here, assigned.K) <= close else np.inf)
+    return _solved(moves, assigned, here)
+
+
+def _solved(moves: NormalMoves, assigned: Assignment, own: FloatArray) -> Placed:
+    """Return an assignment with given moves, of infinite norm where they have not come close to its K."""
+    close = max(DONE, CLOSE * min(1.0, moves.bend))
+    return Placed(assigned, own, _norm(moves, own) if moves.error(own, assigned.K) <= close else np.inf)
 
 
 def _norm(moves: NormalMoves, own: FloatArray, power: int = POWER) -> float:

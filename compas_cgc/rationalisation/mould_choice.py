@@ -22,7 +22,8 @@ from .assignment import finished
 from .assignment import rank
 from .costs import Allowance
 from .normal_moves import NormalMoves
-from .progress import Stop
+from .progress import Shown
+from .progress import part_of
 
 __all__ = ["MAX_MOULDS", "MouldsInput", "Wanted", "best_moulds"]
 
@@ -40,19 +41,27 @@ class Wanted(NamedTuple):
     allowance: Optional[Allowance] = None  # allowed distance, and costs
 
 
-def best_moulds(moves: NormalMoves, wanted: Wanted, stop: Stop) -> Placed:
+def best_moulds(moves: NormalMoves, wanted: Wanted, shown: Shown) -> Placed:
     """Return the nearest assignment or, with an allowance, the cheapest within it, without costs the one with the fewest moulds."""
     allowance, best = wanted.allowance, None
-    for own in _tried(moves, wanted):
-        if best is not None and (stop.stopped or not _may_be_better(moves, allowance, best, own)):
+    tried = list(_tried(moves, wanted))
+    for past, own in enumerate(tried):
+        if best is not None and not _may_be_better(moves, allowance, best, own):
             continue
-        found = assign(moves, own, stop.shown)
-        if allowance is not None and allowance.costs is not None:
-            found = cheapened(moves, found, allowance, stop.shown)
-        found = finished(moves, found)
+        watch = part_of(shown, past, len(tried))
+        if best is not None and watch(0, 1, best.distance):
+            break
+        found = finished(moves, _found(moves, own, allowance, watch))
         best = found if best is None or rank(moves, allowance, found) < rank(moves, allowance, best) else best
     assert best is not None
     return best
+
+
+def _found(moves: NormalMoves, own: Moulds, allowance: Optional[Allowance], watch: Shown) -> Placed:
+    """Return the nearest assignment to some moulds or, with costs, a cheaper one within the allowed distance."""
+    if allowance is None or allowance.costs is None:
+        return assign(moves, own, watch)
+    return cheapened(moves, assign(moves, own, part_of(watch, 0, 2)), allowance, part_of(watch, 1, 2))
 
 
 def _tried(moves: NormalMoves, wanted: Wanted) -> Iterator[Moulds]:

@@ -101,8 +101,16 @@ class Rationalised:
 
         If the design is a mesh, it includes the deviation of the fitted surface from the vertices.
         """
-        own = np.abs(self.distance.signed) + self.design.deviation
-        return float((own if self.weights is None else self.weights * own).max(initial=0.0))
+        return self._largest(np.abs(self.distance.signed) + self.design.deviation)
+
+    @property
+    def weighted_deviation(self) -> float:
+        """Largest weighted deviation of the surface fitted to a mesh [L], which ``farthest`` includes."""
+        return self._largest(np.full(len(self.panelling.vertices), self.design.deviation))
+
+    def _largest(self, distances: FloatArray) -> float:
+        """Return the largest of distances (n,), weighted [L]."""
+        return float((distances if self.weights is None else self.weights * distances).max(initial=0.0))
 
     @property
     def weighted(self) -> bool:

@@ -47,6 +47,7 @@ from .panelling import vertex_panels
 from .progress import Progress
 from .progress import Stop
 from .progress import Watch
+from .progress import part_of
 from .result import Rationalised
 from .seams import LEVELS
 from .seams import SeamsInput
@@ -158,12 +159,11 @@ def rationalise(
         raise CGCError("panels between level lines are found anew in every run and cannot be locked; give the seams as curves")
     numbers = LEVELS if by_levels else LEVELS[:1]
     found, failed = list[Rationalised](), list[MeshError]()
-    stop = Stop(callback, len(numbers))
+    stop = Stop(callback)
     prices = None if costs is None else costs_of(costs)
     if prices is not None and not (moulds is None or isinstance(moulds, (int, np.integer))):
         prices = prices._replace(mould=np.zeros_like(prices.mould))
     for past, levels in enumerate(numbers):
-        stop.past = past
         try:
             panelling = panels_of(read, panel, edges, seams, levels)
         except MeshError as error:
@@ -174,7 +174,7 @@ def rationalise(
         groups = None if locked else symmetric_panels(panelling, fixed)
         moves = NormalMoves(panelling, fixed, groups=groups, importance=importance_at(panelling.vertices, weights))
         allowance = None if within is None else _allowance(moves, within, read.deviation, prices)
-        best = best_moulds(moves, Wanted(moulds, flat, locked, allowance), stop)
+        best = best_moulds(moves, Wanted(moulds, flat, locked, allowance), part_of(stop.shown, past, len(numbers)))
         curvatures, classes = np.unique(best.assigned.K[moves.groups], return_inverse=True)
         solved = _solved(read, panelling, moves, fixed, best)
         own = Rationalised(solved, curvatures, classes, panelling, read, within, stop.stopped, "", prices, moves.importance)
@@ -257,8 +257,12 @@ def _three_apart(panelling: Panelling) -> Mask:
 
 
 def _allowance(moves: NormalMoves, within: float, deviation: float, costs: Optional[Costs]) -> Allowance:
-    """Return the allowed distances, reduced by the weighted deviation of the surface fitted to a mesh."""
-    limits = within - deviation * moves.importance[moves.columns]
+    """Return the allowed distances, reduced by the weighted deviation of the surface fitted to a mesh.
+
+    Where this deviation alone exceeds the distance, also at a vertex that is held, no surface keeps it.
+    """
+    limits = within - deviation * moves.importance
+    limits = limits[moves.columns] if (limits >= 0.0).all() else np.full(len(moves.columns), -np.inf)
     return Allowance(limits, np.bincount(moves.groups, minlength=moves.panels), costs)
 
 
@@ -288,11 +292,13 @@ def _most(moulds: MouldsInput) -> int:
 
 def _suggestion(found: Rationalised, within: float, tried: int) -> str:
     """Return what to change so that a distance is kept: distances go about as the width of panels squared, and as one over moulds."""
-    fitted = found.design.deviation
+    fitted, weighted = found.weighted_deviation, "weighted " if found.weighted else ""
     of_fit = f", {fitted:.2g} of it by the surface fitted to the mesh," if fitted > 0.0 else ""
     if fitted >= within:
-        return f"the surface fitted to the mesh is up to {fitted:.2g} from it, more than {within:.3g}; try tolerance={within / 10.0:.2g}"
-    weighted = "weighted " if found.weighted else ""
+        return (
+            f"the {weighted}distance of the mesh from the surface fitted to it is up to {fitted:.2g}, more than {within:.3g}; "
+            f"try tolerance={FIT_PART * within * found.design.deviation / fitted:.2g}"
+        )
     ratio = (found.farthest - fitted) / (within - fitted)
     moulds = max(int(np.ceil(len(found.curvatures) * ratio)), tried + 1)
     return (

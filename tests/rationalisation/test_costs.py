@@ -10,8 +10,17 @@ import pytest
 
 import compas_cgc
 from compas_cgc.errors import CGCError
+from compas_cgc.rationalisation import assignment
 from compas_cgc.rationalisation import read_design
 from compas_cgc.rationalisation import sweep
+from compas_cgc.rationalisation.assignment import Placed
+from compas_cgc.rationalisation.assignment import finished
+from compas_cgc.rationalisation.assignment import rank
+from compas_cgc.rationalisation.costs import Allowance
+from compas_cgc.rationalisation.costs import costs_of
+from compas_cgc.rationalisation.linear_search import Assignment
+from compas_cgc.rationalisation.normal_moves import NormalMoves
+from compas_cgc.rationalisation.seams import panels_of
 
 from ..support.freeform import bumpy
 from ..support.freeform import mesh_over
@@ -57,6 +66,52 @@ def test_spherical_panels_that_cost_less_replace_flat_ones():
     found = rationalised(moulds=None, within=0.08, costs=dear)
     assert found.kept and found.panels_per_class[found.curvatures > 0.0].sum() > 30
     assert sum(found.costs_of_parts) < 5000.0 + 30 * 1000.0 + 30 * 400.0
+
+
+def test_a_cancelled_search_ends_at_once_with_the_cheapest_surface_so_far(monkeypatch):
+    real, stopped, late, shown = assignment._placed, False, 0, []
+
+    def placed(*given):
+        nonlocal late
+        late += stopped
+        return real(*given)
+
+    def watch(state):
+        nonlocal stopped
+        shown.append(state.done / state.rounds)
+        # One and two moulds with and without a flat one, of up to 16, are past, and three are on their way to cheaper ones.
+        stopped = shown[-1] > 4.5 / 32
+        return stopped
+
+    monkeypatch.setattr(assignment, "_placed", placed)
+    found = rationalised(moulds=None, within=0.01, costs=COSTS, callback=watch)
+    assert 4.5 / 32 < shown[-1] < 5.0 / 32 and late == 0, "no surface is solved after the cancel"
+    assert found.status == "cancelled" and found.kept and sum(found.costs_of_parts) == 20000.0
+    assert shown == sorted(shown), "the progress of all searches together"
+
+
+def test_a_surface_that_was_not_solved_is_not_the_cheapest():
+    panelling = panels_of(vault(), 2.0, 4)
+    moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
+    allowance = Allowance(np.full(len(moves.columns), 100.0), np.ones(moves.panels, np.int64), costs_of(COSTS))
+    # No surface near the design has panels of 2 m on spheres of 0.5 m.
+    one, none = np.ones(1, bool), np.zeros(moves.panels, bool)
+    small, large = (Assignment(np.array([K]), np.zeros(moves.panels, np.int64), one, none) for K in (4.0, 1.0 / 400))
+    still = np.zeros(len(moves.columns))
+    unsolved, solved = finished(moves, Placed(small, still, np.inf)), finished(moves, Placed(large, still, 0.0))
+    assert np.isinf(unsolved.norm) and np.isfinite(solved.norm)
+    for allowed in (allowance, allowance._replace(limits=-allowance.limits), None):
+        assert rank(moves, allowed, solved) < rank(moves, allowed, unsolved)
+
+
+def test_a_weight_at_a_support_counts_what_the_fitted_surface_deviates():
+    design = read_design(mesh_over(bumpy("soft", 3)), tolerance=2e-3)
+    corner = design.surface.at(np.zeros((1, 2)))[0]
+    options = {"panel": 5.0, "edges": 4, "within": 20.0 * design.deviation}
+    found = compas_cgc.rationalise(design, moulds=1, weights=[(*corner, 0.1, 40.0)], **options)
+    assert found.weights is not None and (found.weights > 1.0).sum() == 1, "the weight counts at the held corner alone"
+    assert found.farthest >= found.weighted_deviation == pytest.approx(40.0 * design.deviation)
+    assert found.status == "exceeded" and f"up to {found.weighted_deviation:.2g}, more than" in found.suggestion
 
 
 @pytest.mark.nightly

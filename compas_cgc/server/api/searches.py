@@ -219,11 +219,7 @@ SEARCHES: dict[str, Search] = {
                     "weights",
                     "places where distances count more or less, as rows x, y, z, radius, factor",
                     _weights,
-                    {
-                        "type": "array",
-                        "maxItems": MAX_PLACES,
-                        "items": {"type": "array", "minItems": 5, "maxItems": 5, "items": {"type": "number"}},
-                    },
+                    {"type": "array", "maxItems": MAX_PLACES, "items": _PLACE},
                 ),
                 BuildOption(
                     "flat", "whether one mould is flat (default: whichever is nearer to the design)", values.truth, {"type": "boolean"}

@@ -81,8 +81,10 @@ export function figuresOf(told, unit) {
   const rows = [
     ['Largest distance', length.text(distance.max)],
     ['Distance, rms', length.text(distance.rms)],
+    ...(told.weighted_distance ? [['Weighted distance', length.text(told.weighted_distance)]] : []),
     ...(within ? [['Allowed distance', length.text(within)]] : []),
     ...(told.fit_deviation ? [['Mesh to its smooth surface', length.text(told.fit_deviation)]] : []),
+    ...(told.facet_deviation ? [['Mesh edges to its smooth surface', length.text(told.facet_deviation)]] : []),
     ...(costs ? [['Costs', (costs.moulds + costs.panels).toLocaleString('en')]] : []),
     ['Largest added kink', angle(kinks.beyond.largest)],
   ];
