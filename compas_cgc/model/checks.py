@@ -42,9 +42,9 @@ from .straight_edges import twisted_edges
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
 GENTLE_TOTAL_CURVATURE = 0.5  # total curvature of a region for the suggested target [rad]
-# Total curvature K A of a region beyond which K is probably in other units, whose factor is 1e6 for mm and m: a fold of an angle of .3
-# degrees, and 80 whole spheres.
-MIN_TOTAL_CURVATURE, MAX_TOTAL_CURVATURE = 3e-5, 1e3
+# Total curvature K A of a region beyond which K is probably in other units, whose factor is 1e6 for mm and m, and 1,550 for inches and m:
+# a fold of an angle of .3 degrees, and 8 whole spheres.
+MIN_TOTAL_CURVATURE, MAX_TOTAL_CURVATURE = 3e-5, 1e2
 COLLINEAR_TOLERANCE = 1e-6  # width of a row of supports, relative to the drawing, that still counts as a straight line
 NEEDLE_ANGLE = 10.0  # degrees; where K̄ < 0 a triangle with a smaller angle is reported
 

@@ -44,6 +44,7 @@ def design():
     [
         (0.01, 1e-3, True),  # K in 1/m², plan in mm, with a hole
         (0.01, 1e-2, True),  # plan in cm
+        (0.005, 0.0254, True),  # plan in inches
         (1e-8, 1.0, True),  # K in 1/mm², plan in m
         (-0.01, 1e-3, True),
         (-1e-8, 1.0, True),
