@@ -20,7 +20,7 @@ __all__ = ["gaps", "planarised", "polygon_edges"]
 STEPS = 40
 PLANE_WEIGHT, RIM_WEIGHT, KINK_WEIGHT = 1e4, 10.0, 1e3  # against the distance from the surface
 FAIR_WEIGHT, STAY_WEIGHT = 0.3, 0.1  # of changes of the lines' shape and of their places within the surface
-PLANE = 1e-9  # of the size: largest gap at which planarisation ends
+PLANE, STILL = 1e-9, 1e-6  # of the size: largest gap at which planarisation ends, and step before which aims no longer change
 
 
 def polygon_edges(polygons: list[list[int]]) -> IntArray:
@@ -71,21 +71,29 @@ def planarised(own: Polygons, vertices: Vertices, faces: Faces, rims: list[IntAr
     points = start
     fair, stay = FAIR_WEIGHT**2 * (shape.T @ shape), STAY_WEIGHT**2 * sparse.identity(3 * n)
     curves = [vertices[np.append(rim, rim[0])] for rim in rims]
-    for number in range(2 * STEPS):
-        if number < STEPS:
-            off, blocks = _aims(points, own, start, vertices, faces, curves)
-            close = sparse.block_diag(list(weight[:, None, None] ** 2 * blocks), format="csr")
-            away = close @ off.ravel() + (fair + stay) @ (points - start).ravel()
-        else:
-            # On strongly curved surfaces the aims change in every step, so that the first steps do not converge.
-            away = np.zeros(3 * n)
+    metric = fair + stay
+
+    def stepped(away: FloatArray) -> Vectors:
+        """Return the step (n, 3) towards planes that the metric makes shortest, back from what corners are away (3n,) from their aims."""
         gap, slopes = _diagonals(points, quadruples)
-        matrix = PLANE_WEIGHT**2 * (slopes.T @ slopes) + close + fair + stay
-        right = -(PLANE_WEIGHT**2 * (slopes.T @ gap) + away)
-        step = factorise(sparse.csr_matrix(matrix), symmetric=True).solve(right).reshape(-1, 3)
+        matrix = sparse.csr_matrix(PLANE_WEIGHT**2 * (slopes.T @ slopes) + metric)
+        return factorise(matrix, symmetric=True).solve(-(PLANE_WEIGHT**2 * (slopes.T @ gap) + away)).reshape(-1, 3)
+
+    def is_plane() -> bool:
+        return bool(np.abs(_diagonals(points, quadruples)[0]).max(initial=0.0) <= PLANE * size)
+
+    for _ in range(STEPS):
+        off, blocks = _aims(points, own, start, vertices, faces, curves)
+        close = sparse.block_diag(list(weight[:, None, None] ** 2 * blocks), format="csr")
+        metric = close + fair + stay
+        step = stepped(close @ off.ravel() + (fair + stay) @ (points - start).ravel())
         points = points + step
-        plane = np.abs(_diagonals(points, quadruples)[0]).max(initial=0.0) <= PLANE * size
-        if plane and (number >= STEPS or np.abs(step).max() <= 1e-6 * size):
+        if is_plane() and np.abs(step).max() <= STILL * size:
+            return points
+    # On strongly curved surfaces the aims change in every step, so that the steps above do not converge.
+    for _ in range(STEPS):
+        points = points + stepped(np.zeros(3 * n))
+        if is_plane():
             break
     return points
 
