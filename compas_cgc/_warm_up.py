@@ -23,20 +23,22 @@ def is_warm() -> bool:
     return is_stored(write_cross_vectors)
 
 
-def warm_up(told: Optional[Callable[[float], object]] = None) -> int:
+def warm_up(told: Optional[Callable[[float], object]] = None, builds: bool = False) -> int:
     """Compile and store the kernels; those already stored are only loaded.
 
     Parameters
     ----------
     told
         Called with the completed fraction, from 0 to 1.
+    builds
+        Also those of pieces, moulds and nets, which processes that mostly solve load when they need them.
 
     Returns
     -------
     int
         Number of calls.
     """
-    calls = list(_calls())
+    calls = [*_calls(), *([_built] if builds else [])]
     for done, call in enumerate(calls):
         if told is not None:
             told(done / len(calls))
@@ -47,19 +49,18 @@ def warm_up(told: Optional[Callable[[float], object]] = None) -> int:
 
 
 def _calls() -> Iterator[Callable[[], object]]:
-    """Yield calls that together use every kernel."""
+    """Yield calls that together use every kernel of a solve, its analysis and its checks."""
     from .solvers.registry import METHODS
 
     for method in METHODS:
         yield partial(_solved, _dome, method=method)
     yield partial(_solved, _folded)
-    yield partial(_solved, _cushions)
     for method, measure in (("projection", "smooth"), ("projection", "exact"), ("newton", "exact")):
         yield partial(_solved, _folded if method == "projection" else _dome, settings={"measure": measure}, method=method)
     yield partial(_solved, _folded, settings={"energy": "cotangent"}, method="flow")
     yield _ordered
     yield _drawn
-    yield _built
+    yield _carried
 
 
 def _dome() -> CGCMesh:
@@ -75,12 +76,6 @@ def _folded() -> CGCMesh:
     mesh = _dome()
     mesh.set_supports("corners")
     mesh.set_creases([[6 * i + 2 for i in range(6)]])
-    return mesh
-
-
-def _cushions() -> CGCMesh:
-    mesh = _folded()
-    mesh.set_supports("boundary")
     return mesh
 
 
@@ -112,6 +107,17 @@ def _drawn() -> None:
     annealed(vertices[:, :2], faces, np.zeros(len(vertices), bool), np.zeros((0, 2), np.int64), lambda places: np.ones(len(places)))
     energy_gradient(vertices, faces, 0.01)
     in_sight(vertices, vertices, faces)
+
+
+def _carried() -> None:
+    """Compile the kernels used to find and carry over surfaces on other meshes."""
+    from .solvers.coarse import laid_out_anew
+
+    mesh = _dome()
+    mesh.set_supports("boundary")
+    other = laid_out_anew(mesh.to_problem(), 20)
+    assert other is not None
+    other.carried(other.problem.vertices)
 
 
 def _built() -> None:

@@ -29,7 +29,7 @@ def warm(quiet: bool = False) -> None:
     from .._warm_up import warm_up
 
     started = time.perf_counter()
-    warm_up()
+    warm_up(builds=True)
     if not quiet:
         spent = compile_seconds()
         what = (

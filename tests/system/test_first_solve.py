@@ -82,7 +82,7 @@ import json
 from compas_cgc._compiled import _kernels
 from compas_cgc._warm_up import is_warm, warm_up
 before, parts = is_warm(), []
-warm_up(parts.append)
+warm_up(parts.append, builds=True)
 left = [made.py_func.__qualname__ for made in _kernels if not made.signatures]
 print(json.dumps({"before": before, "after": is_warm(), "parts": parts, "left": left}))
 """
