@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Optional
 
 import numpy as np
@@ -136,14 +137,18 @@ def moves_of_lines(drawn: CGCProblem, regions: Sequence[int], settings: Optional
     found = _bent(posed, settings, None)
     if found.status != "converged":
         return None
-    own: PolishSettings = settings_of(METHODS["bending"], settings)  # type: ignore[assignment]
-    result = {}
-    for region in regions:
-        parts = [region] if even is None else even.regions[region]
-        moves = np.sum(list(moves_by_constants(posed, own, found.vertices, parts).values()), axis=0)
-        ahead = found._replace(vertices=found.vertices + moves)
-        result[region] = moves if even is None else even.carried(ahead).vertices - even.carried(found).vertices
+    within = [[region] for region in range(drawn.number_of_regions())] if even is None else even.regions
+    parts = {region: within[region] for region in regions}
+    moves = moves_by_constants(posed, _settings(settings), found.vertices, chain.from_iterable(parts.values()))
+    here, result = found if even is None else even.carried(found), {}
+    for region, own in parts.items():
+        ahead = found._replace(vertices=found.vertices + np.sum([moves[part] for part in own], axis=0))
+        result[region] = (ahead if even is None else even.carried(ahead)).vertices - here.vertices
     return result
+
+
+def _settings(settings: Optional[Settings]) -> PolishSettings:
+    return settings_of(METHODS["bending"], settings)  # type: ignore[return-value]
 
 
 def _bent(posed: CGCProblem, settings: Optional[Settings], callback: Callback) -> Solution:
@@ -154,8 +159,7 @@ def _bent(posed: CGCProblem, settings: Optional[Settings], callback: Callback) -
     """
     if posed.goals:
         return run_method(METHODS["bending"], posed, settings=settings, callback=callback)
-    given: PolishSettings = settings_of(METHODS["bending"], settings)  # type: ignore[assignment]
-    ends = []
+    given, ends = _settings(settings), []
     for way in WAYS:
         last: Optional[Solution] = None
         for folds, part in way:
@@ -194,8 +198,12 @@ class _Even:
 
     def __init__(self, drawn: CGCProblem, fine: CGCProblem, even: Coarse):
         self.problem = even.problem
-        self.regions = even.regions
         self._count, self._fine, self._even = len(drawn.vertices), fine, even
+
+    @property
+    def regions(self) -> list[list[int]]:
+        """Regions of the even triangles within each region of the drawing."""
+        return self._even.regions
 
     def shown(self, callback: Callback) -> Callback:
         """Return a callback that gets the surfaces of the even triangles on the mesh of the drawing."""

@@ -67,12 +67,16 @@ class Coarse:
         up: FloatArray,
     ):
         self.problem, self.kept = problem, kept
-        self.regions = _regions(problem, regions[0])  # regions of the coarser mesh within each region of the finer one
-        self._fine, self._up = fine, up
+        self._fine, self._up, self._within = fine, up, regions[0]
         self._parts = [
             (here, there, CarryOver(plans[0][here], plans[1][there]))
             for here, there in ((np.flatnonzero(regions[0][:, r]), np.flatnonzero(regions[1][:, r])) for r in range(regions[0].shape[1]))
         ]
+
+    @property
+    def regions(self) -> list[list[int]]:
+        """Regions of the coarser mesh within each region of the finer one."""
+        return _regions(self.problem, self._within)
 
     @property
     def flat(self) -> FloatArray:
