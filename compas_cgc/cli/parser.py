@@ -28,8 +28,8 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **options: Any):
         super().__init__(*args, **options)
-        # Before Python 3.14 argparse takes -1e-2 for an option.
-        self._negative_number_matcher = re.compile(r"^-(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$")
+        # Before Python 3.14 argparse takes -1e-2 for an option, and lengths such as -25mm in every version.
+        self._negative_number_matcher = re.compile(r"^-(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?[a-zA-Z]*$")
 
     def error(self, message: str) -> NoReturn:
         """Print one sentence and exit."""

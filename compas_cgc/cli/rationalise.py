@@ -78,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     moulds = parser.add_mutually_exclusive_group()
     moulds.add_argument("--moulds", type=int, metavar="N", help="number of moulds (default: 4, or with --within the fewest that keep it)")
     moulds.add_argument(
-        "--radii", type=float, nargs="+", metavar="R", help="radii of existing moulds: spheres > 0, saddles < 0, inf for flat"
+        "--radii", nargs="+", metavar="R", help="radii of existing moulds, such as 12 or 12000mm: spheres > 0, saddles < 0, inf for flat"
     )
     moulds.add_argument("--keep", metavar="JSON", help="the report of an earlier run, whose moulds are kept")
     parser.add_argument("--locked", type=int, nargs="+", metavar="N", help="panels of the report of --keep that keep their mould")
@@ -98,9 +98,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--weight",
         action="append",
         nargs=5,
-        type=float,
         metavar=("X", "Y", "Z", "RADIUS", "FACTOR"),
-        help="count distances within a radius of a point FACTOR times, in the units of DESIGN; can be repeated",
+        help="count distances within a radius of a point FACTOR times, such as 8 0 2.5 3m 4; can be repeated",
     )
     parser.add_argument("--report", metavar="JSON", help="write moulds, distances, folds, and the accuracy of smooth surfaces as JSON")
     parser.add_argument("--sweep", type=int, nargs="*", metavar="N", help="write distances for these numbers of moulds to OUT.csv and .png")
@@ -122,10 +121,10 @@ def run(arguments: argparse.Namespace) -> int:
     layer = own if own not in (None, *NAMED) and Path(own).suffix.lower() != ".3dm" else None
     given = given_design(arguments.input, seams=layer)
     units = given.drawing.units
-    within = None if arguments.within is None else length(arguments.within, units, "--within")
-    radii, locked = _kept(arguments)
+    options = _options(arguments, units)
+    radii, locked = _kept(arguments, units)
     moulds: Union[int, Sequence[float], None] = radii or arguments.moulds
-    if moulds is None and within is None:
+    if moulds is None and options["within"] is None:
         moulds = 4
     line = _Line(arguments.quiet)
     with interruptible() as cancelled:
@@ -138,16 +137,9 @@ def run(arguments: argparse.Namespace) -> int:
             found = rationalise(
                 given,
                 moulds=moulds,
-                panel=None if arguments.panel is None else length(arguments.panel, units, "--panel"),
-                seams=_seams(own),
-                within=within,
-                flat=arguments.flat,
-                supports=arguments.supports,
-                edges=arguments.edges,
-                tolerance=None if arguments.tolerance is None else length(arguments.tolerance, units, "--tolerance"),
+                tolerance=_length(arguments.tolerance, units, "--tolerance"),
                 locked=locked,
-                costs=_costs(arguments.cost),
-                weights=arguments.weight or (),
+                **options,
                 callback=watch,
             )
         finally:
@@ -159,7 +151,7 @@ def run(arguments: argparse.Namespace) -> int:
     lines: list[str] = []
     interrupted = found.cancelled
     try:
-        interrupted |= _write(arguments, found, lines)
+        interrupted |= _write(arguments, found, options, lines)
     except PartlyPublished as error:
         incomplete = error
     except FileError as error:
@@ -178,6 +170,29 @@ def _code(found: Rationalised) -> int:
     if not found.kept:
         return NOT_CONVERGED
     return DONE if found.result.verdict is None or found.result.verdict.fair else ROUGH
+
+
+def _options(arguments: argparse.Namespace, units: Optional[str]) -> dict[str, Any]:
+    """Return the options that the surface and its sweep share."""
+    return {
+        "panel": _length(arguments.panel, units, "--panel"),
+        "seams": _seams(arguments.seams),
+        "within": _length(arguments.within, units, "--within"),
+        "flat": arguments.flat,
+        "supports": arguments.supports,
+        "edges": arguments.edges,
+        "costs": _costs(arguments.cost),
+        "weights": [_weight(row, units) for row in arguments.weight or ()],
+    }
+
+
+def _weight(row: Sequence[str], units: Optional[str]) -> list[float]:
+    """Return the place, radius and factor of a weight."""
+    *lengths, factor = row
+    try:
+        return [*(signed_length(text, units, "--weight") for text in lengths), float(factor)]
+    except ValueError:
+        raise CGCError(f"--weight needs a factor without a unit as its last number, not {factor!r:.60}") from None
 
 
 def _costs(given: Optional[list[list[str]]]) -> Optional[dict[str, tuple[float, float]]]:
@@ -203,12 +218,13 @@ def _seams(where: Optional[str]) -> SeamsInput:
     return [line.tolist() for line in read_all_curves(where)]
 
 
-def _kept(arguments: argparse.Namespace) -> tuple[Optional[list[float]], Optional[dict[int, int]]]:
+def _kept(arguments: argparse.Namespace, units: Optional[str]) -> tuple[list[float], Optional[dict[int, int]]]:
     """Return the radii of existing moulds, and the moulds of locked panels, both of an earlier report where one is given."""
     if arguments.keep is None:
         if arguments.locked is not None:
             raise CGCError("--locked needs --keep JSON, the report of the run in which these panels have their moulds")
-        return arguments.radii, None
+        radii = arguments.radii or ()
+        return [math.inf if text.casefold() == "inf" else signed_length(text, units, "--radii") for text in radii], None
     try:
         record = json.loads(Path(arguments.keep).read_text(encoding="utf-8"))
         radii = [math.inf if own is None else float(own) for own in record["radii"]]
@@ -221,7 +237,7 @@ def _kept(arguments: argparse.Namespace) -> tuple[Optional[list[float]], Optiona
     return radii, {own: classes[own] for own in arguments.locked or ()}
 
 
-def length(text: str, units: Union[str, None], name: str) -> float:
+def signed_length(text: str, units: Optional[str], name: str) -> float:
     """Return a length in the units of a drawing, from a number with or without a unit.
 
     Raises
@@ -232,13 +248,28 @@ def length(text: str, units: Union[str, None], name: str) -> float:
     from ..model.units import length_of
     from ..model.units import within
 
-    value = within(length_of(text, name), units)
+    return within(length_of(text, name), units)
+
+
+def length(text: str, units: Optional[str], name: str) -> float:
+    """Return a length above zero in the units of a drawing, from a number with or without a unit.
+
+    Raises
+    ------
+    CGCError
+        If it is not understood.
+    """
+    value = signed_length(text, units, name)
     if not value > 0.0:
         raise CGCError(f"{name} must be a length above zero, such as 0.03 or 30mm, not {text!r}")
     return value
 
 
-def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str]) -> bool:
+def _length(text: Optional[str], units: Optional[str], name: str) -> Optional[float]:
+    return None if text is None else length(text, units, name)
+
+
+def _write(arguments: argparse.Namespace, found: Rationalised, options: dict[str, Any], lines: list[str]) -> bool:
     """Write the surface, the report and the sweep, add notes on them to `lines`, and return whether the sweep was interrupted.
 
     Raises
@@ -266,7 +297,7 @@ def _write(arguments: argparse.Namespace, found: Rationalised, lines: list[str])
                 lines.append(f"wrote {report}")
         if arguments.sweep is not None and not found.cancelled:
             with further_outputs():
-                swept = _sweep(arguments, found.design)
+                swept = _sweep(arguments, found.design, options)
                 interrupted = swept.results[-1].cancelled
                 lines += [str(swept), *(f"wrote {path}" for path in _write_sweep(output, swept))]
     return interrupted
@@ -298,25 +329,13 @@ def _record(arguments: argparse.Namespace, found: Rationalised) -> dict[str, Any
     return {"version": __version__, "input": Path(arguments.input).name, **found.to_dict()}
 
 
-def _sweep(arguments: argparse.Namespace, design: Design) -> Sweep:
+def _sweep(arguments: argparse.Namespace, design: Design, options: dict[str, Any]) -> Sweep:
     """Return the rationalisations of a design with several numbers of moulds; Ctrl-C ends it with those that are done."""
     from ..rationalisation import sweep
     from ..rationalisation.mould_sweep import MOULDS
 
-    units = design.drawing.units
     with interruptible() as cancelled:
-        return sweep(
-            design,
-            arguments.sweep or MOULDS,
-            panel=None if arguments.panel is None else length(arguments.panel, units, "--panel"),
-            seams=_seams(arguments.seams),
-            flat=arguments.flat,
-            supports=arguments.supports,
-            edges=arguments.edges,
-            costs=_costs(arguments.cost),
-            weights=arguments.weight or (),
-            callback=lambda state: cancelled.is_set(),
-        )
+        return sweep(design, arguments.sweep or MOULDS, callback=lambda state: cancelled.is_set(), **options)
 
 
 def _write_sweep(output: Path, swept: Sweep) -> list[Path]:

@@ -45,14 +45,15 @@ class Sweep:
     results: tuple[Rationalised, ...]
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return moulds, distances, folds and, if given, costs of every result as plain data."""
+        """Return moulds, distances, folds and, if given, costs and whether the distance is kept, of every result as plain data."""
         rows = []
         for found in self.results:
             beyond = found.folds.beyond()
             figures = {"moulds": len(found.curvatures), "max": found.distance.largest, "rms": found.distance.rms}
             costs = {} if found.costs is None else {"costs": sum(found.costs_of_parts)}
             kinks = {"kink_largest": beyond["largest"], "kink_median": beyond["median"]}
-            rows.append({**figures, **kinks, **costs, "status": found.result.status})
+            kept = {} if found.within is None else {"kept": found.kept}
+            rows.append({**figures, **kinks, **costs, **kept, "status": found.result.status})
         return rows
 
     def pareto(self) -> list[Rationalised]:
@@ -69,6 +70,7 @@ class Sweep:
         lines = [
             f"{row['moulds']:6d}  {row['max']:16.3g}  {row['rms']:.3g}  {row['kink_largest']:.2g}"
             + (f"  costs {row['costs']:,.10g}" if "costs" in row else "")
+            + ("  within the distance" if row.get("kept") else "")
             for row in self.rows()
         ]
         return "\n".join([head, *lines])
@@ -89,6 +91,9 @@ class Sweep:
         moulds = [len(found.curvatures) for found in front]
         axes.plot(moulds, [found.distance.largest for found in front], "o-", color="#1a1a1a", label="largest")
         axes.plot(moulds, [found.distance.rms for found in front], "o-", color="#7fa6ad", label="root mean square")
+        within = self.results[0].within if self.results else None
+        if within is not None:
+            axes.axhline(within, color="#b03a2e", linestyle="--", linewidth=1.0, label="allowed")
         unit = self.results[0].design.drawing.units if self.results else None
         axes.set_xlabel("moulds")
         axes.set_ylabel("distance from the design" + (f" [{unit.casefold()}]" if unit else ""))

@@ -471,10 +471,12 @@ def test_help_is_given_without_dashes(capsys):
     assert ended.value.code == 0 and "compas-cgc limits" in capsys.readouterr().out
 
 
-def test_negative_numbers_may_have_exponents():
+def test_negative_numbers_may_have_exponents_and_units():
     words = ["solve", "plan.obj", "-o", "roof.obj", "--target"]
     for text in ("-1e-2", "-.5E+1", "-3"):
         assert build_parser("solve").parse_args([*words, text]).target == [text]
+    for text in ("-25m", "-2.5e4mm", "-.5ft"):
+        assert build_parser("rationalise").parse_args(["roof.3dm", "-o", "panels.3dm", "--radii", text, "inf", "-q"]).radii == [text, "inf"]
 
 
 def test_paths_may_keep_their_quotes_and_a_tilde(tmp_path, dome, monkeypatch, capsys):

@@ -84,6 +84,29 @@ def test_costs_and_weights_are_read_from_the_command_line(design, tmp_path, caps
         assert sentence in capsys.readouterr().err
 
 
+def test_radii_and_weights_have_units_and_the_sweep_keeps_the_distance(design, tmp_path, capsys):
+    out, report = tmp_path / "panels.3dm", tmp_path / "panels.json"
+    command = ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--report", str(report)]
+    assert main([*command, "--radii", "12000mm", "-2500cm", "inf", "--weight", "4", "200cm", "1", "1500mm", "10", "-q"]) == 0
+    by_units = json.loads(report.read_text(encoding="utf-8"))
+    assert main([*command, "--radii", "12", "-25", "inf", "--weight", "4", "2", "1", "1.5", "10", "-q"]) == 0
+    record = json.loads(report.read_text(encoding="utf-8"))
+    assert by_units["classes"] == record["classes"]
+    assert by_units["weighted_distance"] == pytest.approx(record["weighted_distance"], rel=1e-6)
+    assert all(radius is None or min(abs(radius - 12.0), abs(radius + 25.0)) < 1e-9 for radius in record["radii"])
+    for wrong, sentence in (
+        (["--radii", "12furlongs"], "--radii has the unknown unit"),
+        (["--weight", "4", "2", "1", "1.5", "10mm"], "needs a factor without a unit"),
+    ):
+        assert main([*command, *wrong]) == REFUSED
+        assert sentence in capsys.readouterr().err
+    assert main([*command, "--within", "15mm", "--sweep", "1", "4"]) == 0
+    assert "within the distance" in capsys.readouterr().out
+    head, flat, curved = ((line.split(",")) for line in (tmp_path / "panels.csv").read_text(encoding="utf-8").splitlines())
+    kept = [dict(zip(head, row)) for row in (flat, curved)]
+    assert [row["kept"] for row in kept] == ["False", "True"] and float(kept[0]["max"]) > 0.015 > float(kept[1]["max"])
+
+
 def test_a_second_run_keeps_moulds_and_locked_panels(skew_design, tmp_path, capsys):
     def run(name, *more):
         command = ["rationalise", str(skew_design), "-o", str(tmp_path / f"{name}.3dm"), "--panel", "2", "--edges", "4"]
@@ -179,9 +202,9 @@ def test_a_surface_that_cannot_be_written_is_saved_elsewhere(design, tmp_path, c
 def test_an_interrupted_sweep_is_written_as_far_as_it_came_and_has_an_exit_code(design, tmp_path, monkeypatch):
     real = cli_rationalise._sweep
 
-    def interrupted(arguments, given):
+    def interrupted(*given):
         monkeypatch.setattr(cli_rationalise, "interruptible", lambda: nullcontext(types.SimpleNamespace(is_set=lambda: True)))
-        return real(arguments, given)
+        return real(*given)
 
     monkeypatch.setattr(cli_rationalise, "_sweep", interrupted)
     out = tmp_path / "panels.obj"
