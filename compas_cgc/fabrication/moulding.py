@@ -28,6 +28,7 @@ from ..model.problem import PosesProblem
 from . import space_form
 from .bending import corner_operators
 from .bending import curvature_changes
+from .bending import fitted_operators
 from .bending import mesh_dependent
 from .bending import plate_stress
 from .caps import smallest_cap
@@ -154,6 +155,7 @@ def moulds(
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
     fits = local_fits(problem.vertices, problem.faces, problem.asked, problem.asked)
     operators, singular = corner_operators(problem), mesh_dependent(problem)
+    fitted = fitted_operators(problem, operators)
     by_arcs = _by_arcs(problem) if arc is None else arc
     pieces = [_laid(problem, panel, K, fits, by_arcs) for panel, K in zip(panels, curvatures)]
     pieces = _shared(problem, pieces, 1e-3 * tolerance / unit, by_arcs)
@@ -167,7 +169,7 @@ def moulds(
         surface = _least_bending(groups[K], radius, operators) if least_bending else surface_for(K, radius)
         made.append(Mould(len(made) + 1, surface, radius, len(groups[K])))
         for piece in groups[K]:
-            results[piece.panel.name] = _fitted(piece, made[-1], operators, singular, stuff, thickness, unit)
+            results[piece.panel.name] = _fitted(piece, made[-1], (operators, fitted), singular, stuff, thickness, unit)
     return MouldReport(
         made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs, panel_seams(problem, panels)
     )
@@ -283,19 +285,23 @@ def _astray(piece: _Laid) -> float:
 
 
 def _fitted(
-    piece: _Laid, mould: Mould, operators: FloatArray, singular: Mask, material: Material, thickness: float, unit: float
+    piece: _Laid,
+    mould: Mould,
+    evaluations: tuple[FloatArray, FloatArray],
+    singular: Mask,
+    material: Material,
+    thickness: float,
+    unit: float,
 ) -> PanelFit:
     """Return the fit of a panel on its mould, rotated about the pole.
 
-    On a mould that is not isotropic it is rotated to the least mean square change of its curvature.
+    On a mould that is not isotropic it is rotated to the least mean square change of its curvature. The stress at a corner is the larger
+    one of two evaluations of the shape operators, so that the errors of one of them do not make it too small.
     """
-    vertices = piece.parts.vertices
+    vertices, operators = piece.parts.vertices, evaluations[0]
 
-    def changes_at(angle: float) -> FloatArray:
+    def changes_at(angle: float, operators: FloatArray = operators) -> FloatArray:
         return _changes(mould.surface, piece, space_form.rotation(angle), operators) / unit
-
-    def stresses_of(changes: FloatArray) -> FloatArray:
-        return 1e-6 * plate_stress(material, 1e-3 * thickness, changes)
 
     angle = _heading(piece.there.on_form, vertices)
     if not mould.surface.isotropic:
@@ -303,8 +309,8 @@ def _fitted(
     motion = space_form.rotation(angle)
     places = _places(piece, mould.surface, motion)
     nearest = rigid_fits(places[None], vertices)
-    changes = changes_at(angle)
-    stresses = stresses_of(changes)
+    changes = np.stack([changes_at(angle, own) for own in evaluations])
+    stresses = 1e-6 * plate_stress(material, 1e-3 * thickness, changes).max(axis=0)
     return PanelFit(
         piece.panel,
         mould.number,
