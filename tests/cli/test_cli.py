@@ -475,8 +475,9 @@ def test_negative_numbers_may_have_exponents_and_units():
     words = ["solve", "plan.obj", "-o", "roof.obj", "--target"]
     for text in ("-1e-2", "-.5E+1", "-3"):
         assert build_parser("solve").parse_args([*words, text]).target == [text]
+    radii = ["rationalise", "roof.3dm", "-o", "panels.3dm", "--radii"]
     for text in ("-25m", "-2.5e4mm", "-.5ft"):
-        assert build_parser("rationalise").parse_args(["roof.3dm", "-o", "panels.3dm", "--radii", text, "inf", "-q"]).radii == [text, "inf"]
+        assert build_parser("rationalise").parse_args([*radii, text, "inf", "-q"]).radii == [text, "inf"]
 
 
 def test_paths_may_keep_their_quotes_and_a_tilde(tmp_path, dome, monkeypatch, capsys):
