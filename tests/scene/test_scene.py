@@ -18,6 +18,7 @@ from compas_cgc.model.measures import measured_curvature
 from compas_cgc.scene.figures import coloured
 from compas_cgc.scene.figures import figures
 
+from ..support.freeform import mesh_over
 from ..support.gh_stand_ins import Mesh
 from ..support.gh_stand_ins import Point3d
 from ..support.gh_stand_ins import PolylineCurve
@@ -190,3 +191,32 @@ def test_a_mesh_without_dummies_is_drawn_itself(registered, monkeypatch):
     compas_cgc.scene.register_grasshopper()
     mesh = folded_roof().without_dummies()
     assert added(mesh, "Grasshopper").mesh is mesh
+
+
+def test_a_rationalised_design_has_its_moulds_seams_distances_and_design(registered):
+    from compas.datastructures import Mesh
+    from compas.geometry import Polyline
+    from compas.scene import GeometryObject
+    from compas.scene import register
+
+    from compas_cgc import rationalise
+    from compas_cgc.errors import CGCError
+    from compas_cgc.rationalisation import add_to_scene
+
+    register(Mesh, MeshObject, context="Any")
+    register(Polyline, GeometryObject, context="Any")
+    design = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2, 8.0, 4.0, 0.5)
+    found = rationalise(design, panel=2.0, edges=3, moulds=2)
+    scene = Scene(context="Any")
+    first, second, *seams, distance, drawn = add_to_scene(scene, found, "distance")
+    assert [own.show for own in (first, second, distance, drawn)] == [False, False, True, False] and all(own.show for own in seams)
+    assert len(seams) == len(found.result.problem.crease_paths()) and first.color != second.color
+    shares = [own.item.area() / found.result.mesh.area() for own in (first, second)]
+    by_mould = found.panels_per_class / found.panels_per_class.sum()
+    assert sum(shares) == pytest.approx(1.0) and shares == pytest.approx(by_mould.tolist(), abs=0.1)
+    largest = int(found.distance.signed.argmax())
+    red, _, blue = distance.vertexcolor[largest].rgb
+    assert red > blue and np.allclose(distance.item.vertex_coordinates(largest), found.result.vertices[largest])
+    assert np.allclose(drawn.item.vertex_coordinates(largest), found.panelling.vertices[largest])
+    with pytest.raises(CGCError, match="show must be one of moulds"):
+        add_to_scene(scene, found, "moulds ")

@@ -28,7 +28,7 @@ from .write import new_archive
 if TYPE_CHECKING:
     from ...datastructures import SolveResult
 
-__all__ = ["RATIONALISED", "PanelClasses", "write_panels"]
+__all__ = ["RATIONALISED", "PanelClasses", "mould_colour", "mould_name", "write_panels"]
 
 _COLOURS = (
     (232, 196, 143),
@@ -100,8 +100,7 @@ def write_panels(
     order = np.argsort(classes.panels, kind="stable")
     parts = np.split(order, np.flatnonzero(np.diff(classes.panels[order])) + 1)
     for number, K in enumerate(classes.curvatures.tolist()):
-        colour = _COLOURS[number % len(_COLOURS)]
-        layer = writer.layer(f"{RATIONALISED}::Moulds::{number + 1} {_shape(K)}", colour)
+        layer = writer.layer(f"{RATIONALISED}::Moulds::{number + 1} {mould_name(K)}", mould_colour(number))
         for faces in parts:
             panel = int(classes.panels[faces[0]])
             if classes.classes[panel] == number:
@@ -131,7 +130,13 @@ def _draw_distance(writer: LayerWriter, vertices: FloatArray, faces: IntArray, d
         writer.dot(f"distance = {value:.3g}", place, writer.attributes(layer, "legend", colour=tuple(colour)))
 
 
-def _shape(K: float) -> str:
+def mould_colour(number: int) -> tuple[int, int, int]:
+    """Return the colour of a mould by its number from 0."""
+    return _COLOURS[number % len(_COLOURS)]
+
+
+def mould_name(K: float) -> str:
+    """Return the name of a mould of curvature `K` [1/L^2]."""
     if K == 0.0:
         return "flat"
     return f"{'sphere' if K > 0.0 else 'saddle'} of radius {abs(K) ** -0.5:.3g}"
