@@ -129,6 +129,17 @@ def test_a_design_becomes_a_roof_of_few_moulds(open_server, tmp_path, roof, brow
         costs = f"return {rows}.find((own) => own.textContent === 'Costs')?.nextSibling.textContent"
         wait_for(lambda: hands.read(costs) == "1,500", what=f"no costs: {hands.text('#rationalise-trouble')}")
         look("2-costs")
+        # A place that counts ten times.
+        hands.click("#rationalise-choices > .options summary")
+        hands.fill("[name=weights]", "12,0 0.0 1.0 4")
+        assert "five numbers" in hands.read("return document.querySelector('[name=weights]').validationMessage")
+        hands.fill("[name=weights]", "12,0 0.0 1.0 4 10")
+        hands.click("#rationalise-start")
+        wait_for(lambda: "Weighted distance" in hands.text("#rationalise-figures"), what="no weights")
+        look("3-weights")
+        hands.fill("[name=weights]", " ")
+        hands.click("#rationalise-start")
+        wait_for(lambda: "Weighted distance" not in hands.text("#rationalise-figures"), what="the weights stay")
         for format, ending in (("3dm", "panels.3dm"), ("json", "moulds.json")):
             hands.click(f"#rationalise-files [data-format='{format}']")
             wait_for(lambda ending=ending: [own for own in tmp_path.glob(f"hall {ending}") if own.stat().st_size], what=f"no {ending}")

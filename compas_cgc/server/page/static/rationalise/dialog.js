@@ -2,7 +2,7 @@
 
 import { LOST } from '../api.js';
 import { hand } from '../download.js';
-import { numberOf, showNumber } from '../fields.js';
+import { numberIn, numberOf, showNumber } from '../fields.js';
 import { counted } from '../words.js';
 import { Display } from './display.js';
 import { mouldColour, reportOf } from './found.js';
@@ -18,6 +18,7 @@ const RELOAD = 60; // time after which a page that was left is not a reload [s]
 const CACHED = 600; // time for which browsers cache a page that was left, to go back to it [s]
 
 const KINDS = ['flat', 'sphere', 'saddle']; // of moulds
+const PLACE = 5; // numbers of a weight: x, y, z, radius, factor
 
 /** @typedef {import('./jobs.js').Told} Told */
 
@@ -60,6 +61,10 @@ export class Rationaliser {
     $('files').addEventListener('click', ({ target }) => target.dataset.format && this.download(target.dataset.format));
     this.fields.moulds.addEventListener('input', () => this.count());
     this.fields.moulds.addEventListener('change', () => this.later());
+    this.fields.weights.addEventListener('input', ({ target }) => {
+      const read = this.weights.every((row) => row.length === PLACE && row.every(Number.isFinite));
+      target.setCustomValidity(read ? '' : 'Type five numbers in a line, such as 12.5 0 3 4 2: a place, a radius, and a factor.');
+    });
     $('aim').addEventListener('change', () => this.aim());
     this.form.addEventListener('submit', (event) => {
       event.preventDefault();
@@ -121,6 +126,7 @@ export class Rationaliser {
     showNumber(this.fields.panel, Number((Math.max(...spans) / PANELS).toPrecision(2)));
     showNumber(this.fields.within);
     this.costs = undefined;
+    this.weights = [];
     this.$('choices').disabled = false;
     this.dialog.classList.remove('bare');
     this.status.run(false);
@@ -166,7 +172,8 @@ export class Rationaliser {
     const given = { panel: numberOf(panel), tolerance: numberOf(tolerance), seams: seams.value, supports: supports.value, flat: { yes: true, no: false }[flat.value] };
     const aims = aim.value === 'count' ? { moulds: Number(moulds.value) } : { within: numberOf(within), costs: this.costs };
     // Numbers of empty fields are NaN.
-    return Object.fromEntries(Object.entries({ ...given, ...aims }).filter(([, value]) => value || value === false || value === 0));
+    const weights = this.weights.length ? { weights: this.weights } : {};
+    return Object.fromEntries(Object.entries({ ...given, ...aims, ...weights }).filter(([, value]) => value || value === false || value === 0));
   }
 
   /** Costs of a mould and of a panel by kind, undefined if no field is filled. */
@@ -184,12 +191,24 @@ export class Rationaliser {
     return ['mould', 'panel'].map((part) => this.fields[`cost-${kind}-${part}`]);
   }
 
-  set settings({ panel, tolerance, within, moulds, costs, seams = '', supports = '', flat }) {
+  /** Rows of x, y, z, radius and factor. */
+  get weights() {
+    const rows = this.fields.weights.value.split('\n').map((line) => line.trim());
+    return rows.filter(Boolean).map((line) => line.split(/[\s;]+/).map(numberIn));
+  }
+
+  set weights(rows) {
+    this.fields.weights.value = rows.map((row) => row.join(' ')).join('\n');
+    this.fields.weights.setCustomValidity('');
+  }
+
+  set settings({ panel, tolerance, within, moulds, costs, weights = [], seams = '', supports = '', flat }) {
     const { fields } = this;
     showNumber(fields.panel, panel);
     showNumber(fields.tolerance, tolerance);
     showNumber(fields.within, within);
     this.costs = costs;
+    this.weights = weights;
     fields.moulds.value = moulds ?? fields.moulds.value;
     fields.aim.value = moulds === undefined ? 'within' : 'count';
     fields.seams.value = seams;
