@@ -12,13 +12,14 @@ from scipy.interpolate import CubicSpline
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
 from ..discrete.nurbs import NurbsPatch
+from ..errors import CGCError
 from .mould_surface import MouldSurface
 from .revolution import Revolution
 from .revolution import cosine_and_sine
 from .revolution import revolution
 from .revolved_mould import RevolvedMould
 
-__all__ = ["ACCURACY", "Chart", "cap_patch", "cap_rim", "chart_of"]
+__all__ = ["ACCURACY", "Chart", "cap_patch", "cap_rim", "chart_of", "sheet_faces"]
 
 ACCURACY = 1e-8  # deviation of the meridians of pseudospheres relative to the radius of curvature
 MAX_ANGLE = 1.4  # largest distance of a point from the pole of a sphere in its chart [rad]
@@ -46,10 +47,17 @@ class Chart(NamedTuple):
         along = np.arctan2(z, np.hypot(x, y)) if self.K > 0.0 else -np.log(root * np.hypot(x, y))
         return np.column_stack([along / root, around])
 
-    def at(self, places: FloatArray) -> Vertices:
-        """Return the points (k, 3) at coordinates (k, 2) [L]."""
+    @property
+    def revolution(self) -> Revolution:
+        """The surface of revolution of a mould that is not a plane."""
+        if self.revolved is not None:
+            return self.revolved.revolution
+        return revolution("sphere" if self.K > 0.0 else "pseudosphere", self.K)
+
+    def at(self, places: FloatArray, offset: float = 0.0) -> Vertices:
+        """Return the points (k, 3) at coordinates (k, 2), or at a distance above them along the normals [L]."""
         if self.K == 0.0:
-            return np.column_stack([places, np.zeros(len(places))])
+            return np.column_stack([places, np.full(len(places), offset)])
         s, around = places.T
         root = math.sqrt(abs(self.K))
         if self.revolved is not None:
@@ -59,21 +67,24 @@ class Chart(NamedTuple):
         else:
             r = np.exp(-root * s) / root
             z = (np.arccosh(np.exp(root * s)) - np.sqrt(1.0 - np.exp(-2.0 * root * s))) / root
+        if offset:
+            slope = self.revolution.slopes(s)
+            r, z = r + offset * np.sqrt(1.0 - slope**2), z - offset * slope
         return np.column_stack([r * np.cos(around), r * np.sin(around), z]) @ self.axes + self.origin
 
-    def patch(self, places: FloatArray) -> NurbsPatch:
-        """Return the part of the mould around coordinates (k, 2)."""
+    def patch(self, places: FloatArray, offset: float = 0.0) -> NurbsPatch:
+        """Return the part of the mould around coordinates (k, 2), or of the surface at a distance above it along the normals [L]."""
         low, high = places.min(axis=0), places.max(axis=0)
         low, high = low - MARGIN * (high - low), high + MARGIN * (high - low)
         if self.K == 0.0:
             x, y = np.meshgrid([low[0], high[0]], [low[1], high[1]], indexing="ij")
             knots = [np.repeat([first, last], 2) for first, last in zip(low, high)]
-            return NurbsPatch(np.stack([x, y, np.zeros((2, 2)), np.ones((2, 2))], axis=-1), (knots[0], knots[1]), (1, 1))
+            return NurbsPatch(np.stack([x, y, np.full((2, 2), offset), np.ones((2, 2))], axis=-1), (knots[0], knots[1]), (1, 1))
         root = math.sqrt(abs(self.K))
         if self.revolved is None and self.K < 0.0:
             low[0] = max(low[0], 0.5 * places[:, 0].min())
-        own = revolution("sphere" if self.K > 0.0 else "pseudosphere", self.K) if self.revolved is None else self.revolved.revolution
-        made = own.patch((float(low[0]), float(high[0])), (float(low[1]), float(high[1])), ACCURACY / root)
+        own = self.revolution
+        made = own.patch((float(low[0]), float(high[0])), (float(low[1]), float(high[1])), ACCURACY / root, offset)
         first = self.at(np.array([[low[0], 0.0]]))[0] - own.radii(low[:1])[0] * self.axes[0]
         return made.placed(first, self.axes)
 
@@ -101,7 +112,7 @@ def chart_of(surface: MouldSurface) -> Chart:
     return own._replace(origin=-own.at(np.array([[math.log(surface.depth) / root, 0.0]]))[0])
 
 
-def cap_patch(surface: MouldSurface, radius: float) -> NurbsPatch:
+def cap_patch(surface: MouldSurface, radius: float, offset: float = 0.0) -> NurbsPatch:
     """Return the cap of a mould about its pole: the cap itself for planes and spheres, a rectangle around it for other moulds.
 
     Parameters
@@ -110,20 +121,47 @@ def cap_patch(surface: MouldSurface, radius: float) -> NurbsPatch:
         The mould, with its pole at the origin.
     radius
         Geodesic radius of the cap [L].
+    offset
+        Distance of the returned surface above the mould, along its normals [L].
+
+    Raises
+    ------
+    CGCError
+        If the offset reaches a centre of curvature.
     """
     full = (0.0, 2.0 * math.pi)
     turned = np.diag([1.0, 1.0, -1.0])
     if surface.K == 0.0:
-        return Revolution(0.0, 0.0, 1.0).patch((0.0, radius), full, 1.0)
+        # The normal of the meridian at the pole points down.
+        return Revolution(0.0, 0.0, 1.0).patch((0.0, radius), full, 1.0, -offset)
     if surface.K > 0.0 and surface.isotropic:
         # The meridian begins at the pole.
-        return Revolution(surface.K, 0.0, 1.0).patch((0.0, radius), full, 1.0).placed(np.zeros(3), turned)
+        return Revolution(surface.K, 0.0, 1.0).patch((0.0, radius), full, 1.0, offset).placed(np.zeros(3), turned)
     chart = chart_of(surface)
-    return chart.patch(chart.of(cap_rim(surface, radius)))
+    return chart.patch(chart.of(cap_rim(surface, radius)), offset)
 
 
-def cap_rim(surface: MouldSurface, radius: float) -> Vertices:
-    """Return the closed rim of a cap (k, 3), first point repeated [L]."""
+def cap_rim(surface: MouldSurface, radius: float, offset: float = 0.0) -> Vertices:
+    """Return the closed rim of a cap, or of the surface at a distance above it (k, 3), first point repeated [L]."""
     angle = np.linspace(0.0, 2.0 * math.pi, RIM_POINTS + 1)
     up, out = cosine_and_sine(surface.K, np.full(len(angle), radius))
-    return surface.places(np.column_stack([up, out * np.cos(angle), out * np.sin(angle)]))
+    rim = surface.places(np.column_stack([up, out * np.cos(angle), out * np.sin(angle)]))
+    if not offset:
+        return rim
+    chart = chart_of(surface)
+    return chart.at(chart.of(rim), offset)
+
+
+def sheet_faces(surface: MouldSurface, radius: float, thickness: float) -> dict[str, float]:
+    """Return the offsets from a mould, which is the middle of its sheets, of their lower and upper face, where there is one [L].
+
+    A sheet that is thicker than twice a radius of curvature has no face on the inner side.
+    """
+    found = {}
+    for side, offset in (("lower", -0.5 * thickness), ("upper", 0.5 * thickness)):
+        try:
+            cap_patch(surface, radius, offset)
+        except CGCError:
+            continue
+        found[side] = offset
+    return found

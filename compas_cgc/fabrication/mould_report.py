@@ -156,6 +156,11 @@ class MouldReport:
     arc: bool  # whether edges are arc lengths on the moulds instead of chords
     seams: list[PanelSeam] = field(default_factory=list)  # lines along which panels meet
 
+    @property
+    def sheet(self) -> float:
+        """Thickness of the sheets [L]."""
+        return 1e-3 * self.thickness / self.unit
+
     def to_dict(self) -> dict[str, Any]:
         """Return a dict that can be written as JSON."""
         moulds = [

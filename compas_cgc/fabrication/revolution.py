@@ -64,7 +64,7 @@ class Revolution(NamedTuple):
         x, w = QUADRATURE
         half = 0.5 * np.diff(s)
         places = 0.5 * (s[:-1] + s[1:])[:, None] + half[:, None] * x
-        upright = np.sqrt(np.maximum(1.0 - self.slopes(places.ravel()) ** 2, 0.0)).reshape(places.shape)
+        upright = self._uprights(places.ravel()).reshape(places.shape)
         return np.concatenate([[0.0], np.cumsum(half * (upright @ w))])
 
     def heights_at(self, s: FloatArray) -> FloatArray:
@@ -74,10 +74,10 @@ class Revolution(NamedTuple):
             upright = np.sqrt(1.0 - self.slopes((0.5 * s[:, None] * (1.0 + x)).ravel()) ** 2).reshape(len(s), len(x))
         return 0.5 * s * (upright @ w)
 
-    def patch(self, ends: tuple[float, float], angles: tuple[float, float], tolerance: float) -> NurbsPatch:
+    def patch(self, ends: tuple[float, float], angles: tuple[float, float], tolerance: float, offset: float = 0.0) -> NurbsPatch:
         """Return the part of the surface between two arc lengths and two angles; its first end lies at height 0.
 
-        Planes, cylinders, cones and spheres are exact.
+        Planes, cylinders, cones and spheres are exact. At a constant distance from the surface lies a surface of revolution, too.
 
         Parameters
         ----------
@@ -87,39 +87,58 @@ class Revolution(NamedTuple):
             Angles about the axis, increasing [rad].
         tolerance
             Largest deviation of the meridian [L].
+        offset
+            Distance of the returned surface along the normals, which point away from the axis or, where the surface is level, down along
+            it [L].
 
         Raises
         ------
         CGCError
-            If the surface does not extend to these arc lengths.
+            If the surface does not extend to these arc lengths, or the offset reaches a centre of curvature.
         """
         s = np.linspace(*ends, 65)
         size = max(abs(self.start), ends[1] - ends[0])
         if (np.abs(self.slopes(s)) > 1.0 + EQUAL).any() or (self.radii(s) < -EQUAL * size).any():
             raise CGCError(f"a {self.kind} of K = {self.K:.4g} does not extend from {ends[0]:.4g} to {ends[1]:.4g} along its meridian")
-        meridian, knots, degree = self._meridian(ends, tolerance)
+        if offset and not self._may_be_offset(s, offset):
+            raise CGCError(f"the radii of curvature of a {self.kind} of K = {self.K:.4g} are smaller than the offset of {abs(offset):.4g}")
+        meridian, knots, degree = self._meridian(ends, tolerance, offset)
         circle, around = _circle(*angles)
         r, z, w = meridian.T
         x, y, v = circle.T
         control = np.stack([r[:, None] * x, r[:, None] * y, z[:, None] * v, w[:, None] * v], axis=-1)
         return NurbsPatch(control, (knots, around), (degree, 2))
 
-    def _meridian(self, ends: tuple[float, float], tolerance: float) -> tuple[FloatArray, FloatArray, int]:
+    def _uprights(self, s: FloatArray) -> FloatArray:
+        """Return the derivatives of the heights by the arc length (n,)."""
+        return np.sqrt(np.maximum(1.0 - self.slopes(s) ** 2, 0.0))
+
+    def _may_be_offset(self, s: FloatArray, offset: float) -> bool:
+        """Check whether an offset keeps clear of the centres of curvature at arc lengths (n,)."""
+        r, upright = self.radii(s), self._uprights(s)
+        # The principal curvatures are upright / r along parallels and K r / upright along meridians; on a plane all are 0.
+        return bool(((r + offset * upright >= 0.0) & (upright + offset * self.K * r >= 0.0)).all())
+
+    def points(self, s: FloatArray, offset: float = 0.0) -> FloatArray:
+        """Return the radii and heights (n, 2) at increasing arc lengths, or at a distance along the normals from there [L]."""
+        return np.column_stack([self.radii(s) + offset * self._uprights(s), self.heights(s) - offset * self.slopes(s)])
+
+    def _meridian(self, ends: tuple[float, float], tolerance: float, offset: float) -> tuple[FloatArray, FloatArray, int]:
         """Return the control points (k, 3) of a meridian as ``(w r, w z, w)``, its knots and its degree."""
         if self.K == 0.0:
-            s = np.array(ends)
-            return np.column_stack([self.radii(s), self.heights(s), np.ones(2)]), np.array([0.0, 0.0, 1.0, 1.0]), 1
+            return np.column_stack([self.points(np.array(ends), offset), np.ones(2)]), np.array([0.0, 0.0, 1.0, 1.0]), 1
         if self.kind == "sphere":
             root = math.sqrt(self.K)
             latitude = [root * s - math.atan2(self.slope, root * self.start) for s in ends]
             control, knots = _circle(*latitude)
-            control = control / [root, root, 1.0]
-            control[:, 1] -= control[0, 1] * control[:, 2]
+            first, radius = control[0, 1] / root, 1.0 / root + offset
+            control = control * [radius, radius, 1.0]
+            control[:, 1] -= first * control[:, 2]
             return control, knots, 2
         spans = 8
         while True:
             t = np.linspace(*ends, 2 * spans + 1)
-            points = np.column_stack([self.radii(t), self.heights(t)])
+            points = self.points(t, offset)
             spline = make_interp_spline(t[::2], points[::2], k=5)
             if np.abs(spline(t) - points).max() <= tolerance:
                 return np.column_stack([spline.c, np.ones(len(spline.c))]), spline.t, 5

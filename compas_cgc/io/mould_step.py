@@ -13,6 +13,7 @@ from ..fabrication.mould_patches import Chart
 from ..fabrication.mould_patches import cap_patch
 from ..fabrication.mould_patches import cap_rim
 from ..fabrication.mould_patches import chart_of
+from ..fabrication.mould_patches import sheet_faces
 from ..fabrication.mould_report import Mould
 from ..fabrication.mould_report import MouldReport
 from ..fabrication.mould_report import PanelFit
@@ -36,8 +37,9 @@ POINTS_PER_EDGE = 16  # of an outline on a mould
 def mould_step_bytes(problem: CGCProblem, report: MouldReport) -> tuple[bytes, list[str]]:
     """Return a STEP file in millimetres, and notes on what it does not hold.
 
-    Its faces have the names ``mould 1``, ``panel 0-1 on mould 1`` and ``panel 0-1 in place``; the panels in place are one shell. The
-    moulds and the panels on them lie beside the surface as in .3dm files.
+    Its faces have the names ``mould 1``, ``lower face on mould 1`` and ``upper face on mould 1`` of the sheets, ``panel 0-1 on mould 1``
+    and ``panel 0-1 in place``; the panels in place are one shell. The moulds and the panels on them lie beside the surface as in
+    .3dm files.
 
     Parameters
     ----------
@@ -57,6 +59,9 @@ def mould_step_bytes(problem: CGCProblem, report: MouldReport) -> tuple[bytes, l
     for place in mould_places(problem, report):
         shapes.append(_cap(occt, place.mould, factor, place.pole - origin))
         names.append(f"mould {place.mould.number}")
+        for side, offset in sheet_faces(place.mould.surface, place.mould.radius, report.sheet).items():
+            shapes.append(_cap(occt, place.mould, factor, place.pole - origin, offset))
+            names.append(f"{side} face on mould {place.mould.number}")
         chart = chart_of(place.mould.surface)
         for fit, pole in zip(place.panels, np.array(place.poles) - origin):
             curves = panel_outline(chart, fit)
@@ -86,10 +91,10 @@ def panel_outline(chart: Chart, fit: PanelFit) -> list[FloatArray]:
     return curves
 
 
-def _cap(occt: Any, mould: Mould, factor: float, pole: FloatArray) -> Any:
-    patch = cap_patch(mould.surface, mould.radius).placed(pole, np.eye(3)).scaled(factor)
+def _cap(occt: Any, mould: Mould, factor: float, pole: FloatArray, offset: float = 0.0) -> Any:
+    patch = cap_patch(mould.surface, mould.radius, offset).placed(pole, np.eye(3)).scaled(factor)
     if mould.surface.isotropic:
         return untrimmed_face(occt, patch)
-    rim = factor * (cap_rim(mould.surface, mould.radius) + pole)
+    rim = factor * (cap_rim(mould.surface, mould.radius, offset) + pole)
     half = len(rim) // 2
     return trimmed_face(occt, patch, [rim[: half + 1], rim[half:]])

@@ -63,6 +63,10 @@ def test_moulds_panels_and_labels_on_layers(solved, result, tmp_path, capsys):
     found, file = things(output)
     surfaces = [one for _, one, _ in found["CGC Moulds::Moulds"] if isinstance(one, rhino3dm.NurbsSurface)]
     assert len(surfaces) == 2 and len(found["CGC Moulds::Outlines"]) == 36
+    offsets = {name: text["offset"] for name, one, text in found["CGC Moulds::Faces"] if isinstance(one, rhino3dm.NurbsSurface)}
+    assert offsets == {
+        f"{side} face on mould {mould}": offset for mould in (1, 2) for side, offset in (("lower", "-0.004"), ("upper", "0.004"))
+    }
     assert len(found["CGC Moulds::Labels"]) == 2 + 2 * 36
     assert json.loads(file.Strings["compas_cgc.moulds"])["panels"] == record["panels"]
     assert "CGC Result::Mesh" in found and "CGC::Mesh" in found  # what was in the file stays

@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
+from scipy.spatial import cKDTree
 
 from compas_cgc.errors import CGCError
 from compas_cgc.fabrication.mould_patches import cap_patch
+from compas_cgc.fabrication.mould_patches import cap_rim
 from compas_cgc.fabrication.mould_patches import chart_of
+from compas_cgc.fabrication.mould_patches import sheet_faces
 from compas_cgc.fabrication.mould_surface import cap_mesh
 from compas_cgc.fabrication.mould_surface import surface_for
 from compas_cgc.fabrication.revolution import revolution
+from compas_cgc.fabrication.revolved_mould import RevolvedMould
 
 PARTS = (
     ("plane", 0.0, 0.0, (0.0, 2.0)),
@@ -114,3 +118,32 @@ def test_caps_of_moulds_are_exact(K):
         centre = np.array([0.0, 0.0, -5.0])
         grid = cap_patch(surface, 1.5).at(*(np.linspace(knots[0], knots[-1], 60) for knots in cap_patch(surface, 1.5).knots))
         assert np.abs(np.linalg.norm(grid - centre, axis=-1) / 5.0 - 1.0).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [surface_for(0.04, 1.5), surface_for(0.0, 1.5), surface_for(-0.04, 1.5), RevolvedMould(0.04, 3.0), RevolvedMould(-0.04, 3.0)],
+    ids=["sphere", "plane", "pseudosphere", "spindle", "hyperboloid"],
+)
+def test_faces_of_sheets_lie_half_a_thickness_beside_the_mould(surface):
+    """Every point of a face is that far from the point of the mould with the same parameters, along the normals of both there."""
+    middle = cap_patch(surface, 1.5)
+    assert sheet_faces(surface, 1.5, 0.2) == {"lower": -0.1, "upper": 0.1}
+    u, v = (np.linspace(knots[0], knots[-1], 40)[1:-1] for knots in middle.knots)
+    step = 1e-5
+    along, across = (middle.at(u + step, v) - middle.at(u - step, v), middle.at(u, v + step) - middle.at(u, v - step))
+    normals = np.cross(along, across)
+    normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+    upright = normals * np.sign(normals[..., 2:])
+    for offset in (-0.1, 0.1):
+        face = cap_patch(surface, 1.5, offset)
+        # Pseudospheres are splines, which are refined until they are within 1e-8 of the radius of curvature.
+        assert np.abs(face.at(u, v) - middle.at(u, v) - offset * upright).max() < 1e-6
+        rim = cap_rim(surface, 1.5, offset)
+        nearest = cKDTree(cap_rim(surface, 1.5)).query(rim)[0]
+        assert np.abs(nearest - 0.1).max() < 1e-9
+
+
+def test_sheets_thicker_than_a_radius_of_curvature_have_one_face():
+    sizes = sheet_faces(RevolvedMould(-0.04, 0.5), 0.1, 1.2)
+    assert list(sizes) == ["upper"] and sheet_faces(surface_for(0.04, 1.5), 1.5, 12.0) == {"upper": 6.0}

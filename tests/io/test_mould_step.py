@@ -50,13 +50,17 @@ def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
     names = re.findall(r"ADVANCED_FACE\('([^']*)'", path.read_text(encoding="utf-8"))
     shape = occt.read_step(str(path))
     faces = occt.shape_explore(shape, FACE)
-    assert len(names) == len(faces) == 1 + 2 * len(report.panels) and all(map(occt.is_valid, faces))
+    assert len(names) == len(faces) == 3 + 2 * len(report.panels) and all(map(occt.is_valid, faces))
     own = dict(zip(names, faces))
     (mould,) = report.moulds
     root = np.sqrt(abs(mould.K))
     cap = {1: lambda x: 2 * (1 - np.cos(x)), 0: lambda x: x * x, -1: lambda x: 2 * (np.cosh(x) - 1)}[int(np.sign(mould.K))]
     unit = root or 1.0
     assert area(own["mould 1"]) == pytest.approx(np.pi * cap(unit * mould.radius) / unit**2, rel=2e-3)
+    for side, sign in (("lower", -1.0), ("upper", 1.0)):
+        # By Steiner's formula the areas differ by offset² K, and by the mean curvature, which has one sign on spheres.
+        beside = area(own[f"{side} face on mould 1"]) / area(own["mould 1"])
+        assert beside == pytest.approx((1.0 + sign * 0.003 * root) ** 2 if mould.K > 0.0 else 1.0, rel=1e-4)
     for fit in report.panels:
         # The triangles of the mesh are inscribed.
         assert area(own[f"panel {fit.panel.name} on mould 1"]) == pytest.approx(face_areas(fit.on_mould, fit.faces).sum(), rel=3e-3)

@@ -18,6 +18,7 @@ from ...fabrication.mould_layout import MouldPlace
 from ...fabrication.mould_layout import mould_places
 from ...fabrication.mould_patches import cap_patch
 from ...fabrication.mould_patches import cap_rim
+from ...fabrication.mould_patches import sheet_faces
 from ...fabrication.mould_report import MouldReport
 from ...fabrication.mould_report import PanelFit
 from ...meshing import boundary_loops
@@ -48,6 +49,7 @@ def write_moulds(
     ==================  ====================================================================================
     Moulds              the exact surface of each mould beside the roof, pole upwards, with its data as user text; the cap for planes and
                         spheres, a rectangle around the cap, and its rim, for pseudospheres
+    Faces               the lower and the upper face of the sheets on each mould, half of the thickness from it, hidden
     Outlines            the outlines of all panels on their mould
     Panels on moulds    every panel on its mould, side by side
     Panels in place     every panel in the roof, with its data as user text
@@ -88,6 +90,7 @@ def write_moulds(
     for place in mould_places(problem, report):
         colour = _COLOURS[(place.mould.number - 1) % len(_COLOURS)]
         _draw_mould(writer, place, colour)
+        _draw_faces(writer, place, report.sheet)
         _draw_in_place(writer, place.panels, colour)
     record = {"version": __version__, **report.to_dict()}
     writer.document_text([("compas_cgc.moulds", json.dumps(record)), ("compas_cgc.moulds.report", str(report))])
@@ -118,6 +121,18 @@ def _draw_mould(writer: LayerWriter, place: MouldPlace, colour: tuple) -> None:
         for loop in boundary_loops(fit.faces):
             line = fit.on_mould[np.append(loop, loop[0])] + middle
             writer.polyline(line, writer.attributes(on_outlines, fit.panel.name))
+
+
+def _draw_faces(writer: LayerWriter, place: MouldPlace, thickness: float) -> None:
+    """Draw the faces of the sheets on a mould, on which tools bear."""
+    layer = writer.layer(f"{MOULDS}::Faces", (120, 120, 120), visible=False)
+    surface, radius = place.mould.surface, place.mould.radius
+    for side, offset in sheet_faces(surface, radius, thickness).items():
+        name = f"{side} face on mould {place.mould.number}"
+        patch = nurbs_surface(cap_patch(surface, radius, offset).placed(place.pole, np.eye(3)))
+        writer.archive.Objects.AddSurface(patch, writer.attributes(layer, name, {"offset": repr(offset)}))
+        if not surface.isotropic:
+            writer.polyline(cap_rim(surface, radius, offset) + place.pole, writer.attributes(layer, f"rim of the {name}"))
 
 
 def _draw_in_place(writer: LayerWriter, panels: list[PanelFit], colour: tuple) -> None:
