@@ -31,6 +31,7 @@ from .leaders import around
 from .leaders import led_aside
 from .leaders import sides_of
 from .leaders import towards
+from .legend import curvature_notes
 from .legend import key_of_plan
 from .legend import with_legend
 from .patterns import Patterns
@@ -150,8 +151,9 @@ def draw_plan(patterns: Patterns) -> Drawing:
     ]
     if len(used) > 1:
         notes.append("steep pieces are drawn in the elevation from the side to which they face instead of in the plan")
-    top = np.array([0.0, drawn.size[1] + 5.0 * height])
-    lines, texts = key_of_plan(key_of(patterns.problem), top, drawn.size[0], 0.75 * height, units, first)
+    top, key = np.array([0.0, drawn.size[1] + 5.0 * height]), key_of(patterns.problem)
+    notes += curvature_notes(key)
+    lines, texts = key_of_plan(key, top, drawn.size[0], 0.75 * height, units, first)
     return with_legend(drawn._replace(lines=[*drawn.lines, *lines], texts=[*drawn.texts, *texts]), MEANINGS, notes, 0.75 * height)
 
 

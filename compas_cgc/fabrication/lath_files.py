@@ -18,6 +18,7 @@ from .front_view import seen_from
 from .front_view import view_name
 from .laths import Lath
 from .laths import LathSchedule
+from .legend import curvature_notes
 from .legend import key_of_plan
 from .legend import outside_note
 from .legend import with_legend
@@ -35,7 +36,7 @@ PLAN_TEXT = 0.012  # height of the numbers of laths in the plan, relative to its
 MEANINGS = {
     "CUT": "contour of the strips with their slots, to cut",
     "MARK": "splice",
-    "LABEL": "number of the lath, on strips to engrave: station 0 is at the left of its upright text; in the plan at station 0",
+    "LABEL": "number of the lath, on strips to engrave: station 0 is at the left of its upright text; in the plan with a line to station 0",
     "FAMILY_0": "axes of the laths of family 0, in plan",
     "FAMILY_1": "axes of the laths of family 1, in plan",
     "OUTLINE": "edge of the surface, in plan",
@@ -126,7 +127,8 @@ def _notes(schedule: LathSchedule) -> list[str]:
         f"family 0: {first}; family 1: {second}",
         *ends,
         *single,
-        "stress: bending and stretch of the outer fibres by twisting; shear: by twisting; without loads and safety factors",
+        "stress: bending and stretch of the outer fibres by twisting; shear: by twisting; without loads and safety factors; "
+        f"characteristic bending strength of {schedule.material.name}: {1e-6 * schedule.material.strength:g} MPa",
         f"splices: stations at which stock lengths {stock}meet end to end; no overlap or plate is included",
     ]
 
@@ -190,7 +192,7 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
     whole = sum(lath.length for lath in schedule.laths) * schedule.unit
     about = f"strips: all lengths in mm; the lower edge lies inside; the face towards the viewer is the right one; {whole:.1f} m in all"
     view = view_name(schedule.view, schedule.key.north or (0.0, 1.0))
-    notes = [about, *_notes(schedule), f"the {view} at the right is {seen_from(schedule.view)}{corner}"]
+    notes = [about, *_notes(schedule), f"the {view} at the right is {seen_from(schedule.view)}{corner}", *curvature_notes(schedule.key)]
     both = strips._replace(lines=[*strips.lines, *plan.lines], texts=[*strips.texts, *plan.texts])
     drawing = with_legend(both, MEANINGS, notes, 0.3 * width, across)
     return drawing._replace(size=(across + PLAN_GAP * width + plan.size[0], drawing.size[1]))
@@ -216,14 +218,22 @@ def _plan(schedule: LathSchedule, corner: FloatArray) -> Drawing:
     numbers = _node_numbers(schedule, corner, 0.5 * height)
     boxes = [text_box(own.text, own.place, own.height) for own in numbers]
     layers = [f"FAMILY_{lath.family}" for lath in schedule.laths]
-    places = names_at_starts(names, paths, height, boxes)
+    places = names_at_starts(names, paths, height, boxes, height)
+    leaders = [_leader(name, path[0], place, height) for name, path, place in zip(names, paths, places)]
     texts = [Text("LABEL", name, place, height, layer) for name, place, layer in zip(names, places, layers)]
     texts += numbers
     edges = [mm * edge @ across - corner for edge in schedule.edges]
-    lines = [*(Line("OUTLINE", edge, True) for edge in edges), *(Line(layer, path) for layer, path in zip(layers, paths))]
+    lines = [*(Line("OUTLINE", edge, True) for edge in edges), *(Line(layer, path) for layer, path in zip(layers, paths)), *leaders]
     right, top = np.max(np.concatenate(edges), axis=0).tolist()
     key = key_of_plan(schedule.key, np.array([0.0, top + 4.0 * height]), right, height, "Millimeters", schedule.view)
     return Drawing([*lines, *key[0]], [*texts, *key[1]], (right, top + 8.0 * height), "Millimeters")
+
+
+def _leader(name: str, start: FloatArray, place: FloatArray, height: float) -> Line:
+    """Return the line from the start of a lath in plan to its number, so that numbers of close starts are told apart [mm]."""
+    length = max(float(np.linalg.norm(place - start)), np.finfo(float).tiny)
+    direction = (place - start) / length
+    return Line("LABEL", np.array([start, start + max(0.0, length - clearance(name, height, direction)) * direction]))
 
 
 def _node_numbers(schedule: LathSchedule, origin: FloatArray, height: float) -> list[Text]:

@@ -16,10 +16,11 @@ from .drawing import Line
 from .drawing import Text
 from .figures import metres
 from .front_view import PLAN
+from .picture_key import K_MEANING
 from .picture_key import Key
 from .picture_key import draw_key
 
-__all__ = ["key_of_plan", "outside_is_above", "outside_note", "with_legend"]
+__all__ = ["curvature_notes", "key_of_plan", "outside_is_above", "outside_note", "with_legend"]
 
 LINE_PITCH = 1.8  # distance of lines of text, relative to their height
 MIN_LINE = 60  # characters on a line at least
@@ -35,6 +36,11 @@ def outside_note(above: Optional[bool]) -> str:
     """Return the sentence that defines the outside of a surface, by :func:`outside_is_above`."""
     where = {True: ", here above everywhere", False: ", here below everywhere", None: ""}[above]
     return f"outside: the side to which the normals of the surface point{where}"
+
+
+def curvature_notes(key: Key) -> list[str]:
+    """Return the sentence that defines K, if the key of a drawing has a K."""
+    return [K_MEANING] if any(words.startswith("K =") for words in key.words) else []
 
 
 def key_of_plan(

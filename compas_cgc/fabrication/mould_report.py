@@ -33,13 +33,13 @@ from .mould_surface import MouldSurface
 from .mould_surface import cap_mesh
 from .panel_seams import PanelSeam
 from .panelling import Panel
+from .picture_key import K_MEANING
 from .pieces import best_box
 from .revolved_mould import RevolvedMould
 
 __all__ = ["Mould", "MouldReport", "PanelFit"]
 
 SCHEDULE = "see the schedule"  # where the names of many panels are
-K_MEANING = "K: Gaussian curvature, the product of the two principal curvatures; 1/R² on a sphere of radius R, negative on a saddle"
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,9 @@ from ..model.problem import CGCProblem
 from .figures import SHORT
 from .front_view import all_views
 from .front_view import views_of
-from .mould_report import K_MEANING
 from .mould_report import MouldReport
 from .mould_report import PanelFit
+from .picture_key import K_MEANING
 from .pieces import best_box
 from .tables import csv_text
 
@@ -97,8 +97,19 @@ class PanelSheet(NamedTuple):
     rise: float  # distance between the lowest and the highest point over the mean plane [mm]
     area: float  # [m^2]
     above: bool  # whether the outside, from which it is seen, is above
-    used: float  # stress of bending on 95 % of the area, relative to the strength of the material
+    strength: float  # characteristic bending strength of the material [MPa]
     view: FloatArray  # (3, 3) axes of the plan or elevation that shows it: to the right, upwards, and to the viewer
+
+    @property
+    def used(self) -> float:
+        """Stress of bending on 95 % of the area, relative to the strength of the material."""
+        return self.fit.stress_95 / self.strength
+
+    @property
+    def mould(self) -> str:
+        """The mould with its curvature as text."""
+        radius = f"{'radius' if self.K > 0.0 else '1/√|K| ='} {self.radius:.1f} mm"
+        return f"mould {self.fit.mould}: {f'K = {self.K:.6g} 1/m², {radius}' if self.radius else 'plane'}"
 
     @property
     def remarks(self) -> list[str]:
@@ -185,7 +196,7 @@ def _sheet(
         mm * float(np.ptp(height)),
         report.unit**2 * float(face_areas(fit.vertices, fit.faces).sum()),
         bool(up[2] > 0.0),
-        1e6 * fit.stress_95 / report.material.strength,
+        1e-6 * report.material.strength,
         view,
     )
 
@@ -217,8 +228,8 @@ def panel_totals(sheets: Sequence[PanelSheet]) -> str:
     parts = [[own for own in sheets if own.fit.mould == mould] for mould in moulds]
     every, *each = [f"{counted(len(part), 'panel')}, {sum(own.area for own in part):.3f} m²" for part in (sheets, *parts)]
     if len(moulds) == 1:
-        return f"total: {every}"
-    return f"total: {every}; " + listed([f"mould {mould}: {text}" for mould, text in zip(moulds, each)], "see the table")
+        return f"total: {every}; {sheets[0].mould}"
+    return f"total: {every}; " + listed([f"{part[0].mould} ({text})" for part, text in zip(parts, each)], "see the table")
 
 
 def _row(own: PanelSheet) -> tuple:

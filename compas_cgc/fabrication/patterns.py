@@ -163,8 +163,7 @@ class Patterns:
             lines.append(f"{sheets}, {100 * used:.0f} % used")
         if self.stock.stuff:
             lines.append(f"material: {self.stock.stuff}")
-        free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.strip, "around pieces")]
-        lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
+        lines.append(self.free)
         lines.append(f"largest length difference between the sides of a seam: {two_digits(1000.0 * metres(units) * self.seam_mismatch)} mm")
         short = [seam for seam in self.seams if seam.length < SHORT / metres(units)]
         if short:
@@ -185,6 +184,13 @@ class Patterns:
         return "\n".join(lines)
 
     __str__ = summary
+
+    @property
+    def free(self) -> str:
+        """The distances that are kept free around pieces, as a phrase."""
+        free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.strip, "around pieces")]
+        kept = [f"{in_mm([length], self.problem.drawing.units)} {where}" for length, where in free if length]
+        return "free: " + (", ".join(kept) or "nothing")
 
     def _curvature(self, K: Optional[float]) -> str:
         return "several K" if K is None else f"K = {K:g} 1/{unit_symbol(self.problem.drawing.units)}²"

@@ -15,11 +15,13 @@ from ..model.problem import problem_of
 from .drawing import LETTER_WIDTH
 from .figures import unit_symbol
 
-__all__ = ["ARROW", "Key", "KeyMarks", "curvature_text", "draw_key", "key_of", "north_arrow", "scale_bar"]
+__all__ = ["ARROW", "K_MEANING", "Key", "KeyMarks", "curvature_text", "draw_key", "key_of", "north_arrow", "scale_bar"]
 
 BAR_SHARE = 0.25  # largest length of the scale bar, relative to the picture
 UPRIGHT = 0.2  # share of north in the plane of the picture below which it points to or from the viewer
+BAR_ROOM = 3.2  # space around the length of the scale bar, whose letters may be wide, relative to the height of the texts
 ARROW = 2.4  # length of the arrow to north, relative to the height of the texts
+K_MEANING = "K: Gaussian curvature, the product of the two principal curvatures; 1/R² on a sphere of radius R, negative on a saddle"
 ROW = 2.4  # distance of rows, relative to the height of the texts
 
 
@@ -118,7 +120,7 @@ def draw_key(key: Key, width: float, scale: float, height: float, axes: FloatArr
         ``(3, 3)`` unit vectors to the right, upwards, and to the viewer.
     """
     marks = scale_bar(key.unit, BAR_SHARE * width / scale, scale, height)
-    right = marks.right + height * (2.0 + LETTER_WIDTH * len(marks.texts[0][0]))
+    right = marks.right + height * (BAR_ROOM + LETTER_WIDTH * len(marks.texts[0][0]))
     lines, texts, row = list(marks.lines), list(marks.texts), 0
     if key.north is not None:
         towards = axes @ [*(np.array(key.north) / np.linalg.norm(key.north)), 0.0]

@@ -34,6 +34,7 @@ from .leaders import is_free
 from .leaders import led_aside
 from .leaders import sides_of
 from .leaders import towards
+from .legend import curvature_notes
 from .legend import key_of_plan
 from .legend import outside_is_above
 from .legend import outside_note
@@ -65,7 +66,7 @@ MEANINGS = {
     "LABEL": "name of the piece, to engrave",
     "SEAM": "number of the seam / name of the piece beyond it, to engrave, with a line where there is no room beside the seam; sides "
     "without one are edges of the roof",
-    "NODE": "number of the node, as in the table of edges; not engraved",
+    "NODE": "number of the node, as in the table of edges, where there is room; not engraved",
     "SHEET": "edge of the sheet and its title; not cut",
 }
 MARK_LENGTH = 0.012  # relative to the sheet length
@@ -151,8 +152,6 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         label = Text("LABEL", piece.label, place + origin, min(4.0 * height, 0.8 * room))
         texts.append(label)
         labels[number] = text_box(piece.label, place, label.height)
-        if nodes:
-            texts += [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height, origin)]
     taken = [[own] for own in labels]
     for ruling in patterns.rulings:
         if patterns.pieces[ruling.piece].sheet in origins:
@@ -161,6 +160,12 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             texts += _radius(patterns, ruling, height, origin, taken[ruling.piece])
     drawn_seams = _drawn_seams(patterns, origins, labels, taken, mark, height)
     lines, texts = [*lines, *drawn_seams[0]], [*texts, *drawn_seams[1]]
+    for number, piece in enumerate(patterns.pieces):
+        if nodes and piece.sheet in origins:
+            numbers = [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height)]
+            # Nodes give way to all other texts.
+            free = [own for own in numbers if not any(overlap(text_box(own.text, own.place, own.height), box) for box in taken[number])]
+            texts += [own._replace(place=own.place + origins[piece.sheet]) for own in free]
     size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
     units = patterns.problem.drawing.units
     words = (*key_of(patterns.problem).words, "the plan of the pieces shows where each piece lies on the roof, and north")
@@ -240,6 +245,8 @@ def _notes(patterns: Patterns) -> list[str]:
         outside_note(outside_is_above(face_normals(patterns.problem.vertices, patterns.problem.faces))),
         "engraving lies on the outside; mirror the sheets to engrave the inside",
         "pieces meet edge to edge: no gap is taken off at seams, and no holes, fixings or tolerances are included",
+        patterns.free,
+        *curvature_notes(key_of(patterns.problem)),
     ]
     if patterns.stock.grain is not None:
         notes.append("the grain runs along the length of the sheets")
@@ -309,7 +316,7 @@ def _fold_lines(patterns: Patterns, piece: int, is_fold: Mask, origin: FloatArra
     return [Line(str(layer), np.array([a, b]) + origin) for layer, a, b in zip(layers, start, end)]
 
 
-def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, height: float, origin: FloatArray) -> list[Text]:
+def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, height: float) -> list[Text]:
     """Return the node numbers of an outline, inside it and its marks, without those too small to read."""
     ahead, back = np.roll(loop.points, -1, axis=0) - loop.points, loop.points - np.roll(loop.points, 1, axis=0)
     near = np.minimum(np.linalg.norm(ahead, axis=1), np.linalg.norm(back, axis=1))
@@ -322,7 +329,7 @@ def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, he
         if size >= MIN_NUMBER_SIZE * height:
             text = str(names[node])
             away = clearance(text, size, direction) / share + (mark if node in ticked else 0.0)
-            texts.append(Text("NODE", text, point + away * direction + origin, size))
+            texts.append(Text("NODE", text, point + away * direction, size))
     return texts
 
 

@@ -17,7 +17,9 @@ STEP = 0.5  # by which a name moves away from others, relative to the height
 ROOM = 1.2  # size of the room of a name, relative to the name
 
 
-def names_at_starts(names: Sequence[str], paths: Sequence[FloatArray], height: float, others: Sequence[FloatArray] = ()) -> FloatArray:
+def names_at_starts(
+    names: Sequence[str], paths: Sequence[FloatArray], height: float, others: Sequence[FloatArray] = (), apart: float = 0.0
+) -> FloatArray:
     """Return the middles of names beyond the starts of curves in plan, so that they do not overlap (k, 2) [L].
 
     Parameters
@@ -30,12 +32,14 @@ def names_at_starts(names: Sequence[str], paths: Sequence[FloatArray], height: f
         Height of the names [L].
     others
         Lower left and upper right corners ``(2, 2)`` of other texts [L].
+    apart
+        Further distance of the names from the starts [L].
     """
     places, taken = np.empty((len(names), 2)), list(others)
     for k, (name, path) in enumerate(zip(names, paths)):
         back = path[0] - path[1]
         back = back / max(float(np.linalg.norm(back)), np.finfo(float).tiny)
-        places[k] = path[0] + clearance(name, height, back) * back
+        places[k] = path[0] + (clearance(name, height, back) + apart) * back
         while back.any() and any(overlap(text_box(name, places[k], ROOM * height), other) for other in taken):
             places[k] += STEP * height * back
         taken.append(text_box(name, places[k], height))

@@ -19,9 +19,9 @@ from .._figures import save_pages
 from ..discrete.arrays import FloatArray
 from ..fabrication.front_view import seen_from
 from ..fabrication.front_view import view_name
-from ..fabrication.mould_report import K_MEANING
 from ..fabrication.panel_schedule import PanelSheet
 from ..fabrication.panel_schedule import panel_totals
+from ..fabrication.picture_key import K_MEANING
 from ..fabrication.picture_key import Key
 from ..meshing.polyline import arc_lengths
 from ..meshing.polyline import point_at
@@ -82,19 +82,23 @@ def _pages(sheets: list[PanelSheet], title: str, north: Plan) -> Iterator[Figure
     for first in range(0, len(sheets), ROWS):
         page = sheets[first : first + ROWS]
         yield _schedule(page, f"{title} panels {first + 1} to {first + len(page)} of {len(sheets)}", panel_totals(sheets))
-    for same in _by_view(sheets):
-        yield _plan(same, f"{title} {view_name(same[0].view, north)} of {len(same)} panels", north)
+    views = _by_view(sheets)
+    names = [view_name(same[0].view, north) for same in views]
+    for same, name in zip(views, names):
+        others = ", ".join(other for other in names if other != name)
+        count = f"{len(same)} of {len(sheets)} panels" if others else f"{len(same)} panels"
+        yield _plan(same, f"{title} {name} of {count}", f"; the other panels are in: {others}" if others else "", north)
     for own in sheets:
         yield panel_figure(own, title, sheets, north)
 
 
 def _by_view(sheets: Sequence[PanelSheet]) -> list[list[PanelSheet]]:
-    """Return the panels of every plan or elevation."""
+    """Return the panels of the plan and of every elevation, those of the view with most panels first."""
     found: list[list[PanelSheet]] = []
     for own in sheets:
         same = next((group for group in found if np.array_equal(group[0].view, own.view)), None)
         found.append([own]) if same is None else same.append(own)
-    return found
+    return sorted(found, key=len, reverse=True)
 
 
 def _schedule(sheets: list[PanelSheet], title: str, totals: str) -> Figure:
@@ -104,7 +108,7 @@ def _schedule(sheets: list[PanelSheet], title: str, totals: str) -> Figure:
     about = (
         f"lengths in millimetres; length x width: rectangle around the bent panel, not its blank; sides: counterclockwise from corner 1, "
         f"{_seen(sheets)}; rise: from the lowest to the highest point over the mean plane; stress: of bending on 95 % of the area, in % of "
-        f"the strength{' (red: the panel breaks)' if broken else ''}; {K_MEANING}"
+        f"the characteristic strength of {sheets[0].strength:g} MPa{' (red: the panel breaks)' if broken else ''}; {K_MEANING}"
     )
     lines = [*textwrap.wrap(totals, MAX_NOTE), *textwrap.wrap(about, MAX_NOTE)]
     figure.text(0.05, HEAD_TOP, "\n".join(lines), fontsize=7, color=INK, va="top")
@@ -118,11 +122,11 @@ def _schedule(sheets: list[PanelSheet], title: str, totals: str) -> Figure:
     return figure
 
 
-def _plan(sheets: list[PanelSheet], title: str, north: Plan) -> Figure:
-    """Return the plan with the names of all panels, each with a dot at corner 1."""
+def _plan(sheets: list[PanelSheet], title: str, others: str, north: Plan) -> Figure:
+    """Return the plan with the names of panels, each with a dot at corner 1, and a remark on where others are."""
     figure = new_figure(*PAGE)
     figure.text(0.05, 0.95, title.strip(), fontsize=11, color=INK)
-    figure.text(0.05, 0.93, f"{seen_from(sheets[0].view)}; dots: corner 1 of the panels", fontsize=7, color=INK)
+    figure.text(0.05, 0.93, f"{seen_from(sheets[0].view)}; dots: corner 1 of the panels{others}", fontsize=7, color=INK)
     axes = _plan_axes(figure, sheets, (0.04, 0.08, 0.92, 0.82), "0.2")
     add_key(axes, Key("mm", north, _curvatures(sheets)), sheets[0].view)
     scale = points_per_length(axes)
@@ -233,12 +237,13 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
     add_key(axes, Key("mm", None), below=8.0)
     figure.text(0.05, 0.95, f"{title} panel {own.fit.panel.name}".strip(), fontsize=13, color=INK, weight="bold")
-    about = f"{_seen([own])}, in its mean plane, lengths in millimetres; no joint is taken off"
+    about = (
+        f"{_seen([own])}, in its mean plane, lengths in millimetres, at the middle of the thickness; panels meet edge to edge: "
+        "no joint is taken off"
+    )
     figure.text(0.05, 0.925, about, fontsize=7, color=INK)
-    radius = f"{'radius' if own.K > 0.0 else '1/√|K| ='} {own.radius:.1f} mm"
-    shape = f"Gaussian curvature K = {own.K:.6g} 1/m², {radius}" if own.radius else "plane"
     lines = [
-        f"region {own.fit.panel.region}, mould {own.fit.mould}: {shape}",
+        f"region {own.fit.panel.region}; {own.mould}; {K_MEANING}",
         f"rectangle around the bent panel {own.size[0]:.1f} x {own.size[1]:.1f} mm, rise over the mean plane {own.rise:.1f} mm, "
         f"area {own.area:.3f} m²; edges of its flat triangles lie up to {own.fit.sag:.1f} mm from the smooth surface",
         "inside: lengths of sides along the panel; outside: panels beyond; dashed: straight distances between corners; "
@@ -249,7 +254,7 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
         lines.insert(
             2,
             f"bending stress from the mould into position: {own.fit.stress:.1f} MPa at most; on 95 % of the area "
-            f"{own.fit.stress_95:.1f} MPa, {100.0 * own.used:.0f} % of the strength of the material{breaks}",
+            f"{own.fit.stress_95:.1f} MPa, {100.0 * own.used:.0f} % of the characteristic strength of {own.strength:g} MPa{breaks}",
         )
     lines = [row for line in [*lines, *own.remarks] for row in textwrap.wrap(line, MAX_LINE)]
     figure.text(0.05, 0.04, "\n".join(lines), fontsize=8, color=WARNING if own.used > 1.0 else INK, linespacing=1.6)

@@ -147,6 +147,7 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     legend = {text.dxf.text.split(":")[0] for text in document.modelspace().query('TEXT[layer=="LEGEND"]')}
     assert {item.dxf.layer for item in document.modelspace()} - {"LEGEND"} <= legend
     text = " ".join(entity.dxf.text for entity in document.modelspace().query('TEXT[layer=="LEGEND"]'))
+    assert "product of the two principal curvatures" in text and "bending strength of timber: 24 MPa" in text
     whole = sum(lath.length for lath in lath_schedule(net).laths)
     assert f"the lower edge lies inside; the face towards the viewer is the right one; {whole:.1f} m in all" in text
     away = {lath.number: np.minimum(lath.stations, lath.length - lath.stations) for lath in lath_schedule(net).laths}
@@ -173,6 +174,12 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     assert (
         [name for name, _, _ in on_strips] == [name for name, _, _ in in_plan] == [f"L{lath.number}" for lath in lath_schedule(net).laths]
     )
+    # A line leads from the start of every lath to its number.
+    leaders = [np.array([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="LABEL"]')]
+    assert len(leaders) == len(plan)
+    for leader, line, (name, place, height) in zip(leaders, plan, in_plan):
+        half = 0.5 * height * np.array([LETTER_WIDTH * len(name), 1.0]) + height
+        assert np.allclose(leader[0], line[0]) and (np.abs(leader[1] - np.array(place)[:2]) <= half).all()
     for i, (name, place, height) in enumerate(in_plan):
         for other, beside, _ in in_plan[:i]:
             width = 0.5 * LETTER_WIDTH * height * (len(name) + len(other))

@@ -22,6 +22,7 @@ from compas_cgc.fabrication.panel_schedule import panel_totals
 from compas_cgc.fabrication.panel_schedule import schedule_text
 from compas_cgc.fabrication.panel_seams import panel_seams
 from compas_cgc.plot import moulds_figure
+from compas_cgc.plot.panel_sheets import _pages
 from compas_cgc.plot.panel_sheets import panel_figure
 from compas_cgc.plot.panel_sheets import save_panel_sheets
 
@@ -90,11 +91,13 @@ def test_the_schedule_has_the_number_and_area_of_all_panels_and_of_every_mould(r
     problem, made = report
     sheets = panel_sheets(problem, made)
     area = face_areas(problem.vertices, problem.faces).sum()
-    assert panel_totals(sheets) == f"total: {len(sheets)} panels, {area:.3f} m²"
+    mould = "K = 0.01 1/m², radius 10000.0 mm"
+    assert panel_totals(sheets) == f"total: {len(sheets)} panels, {area:.3f} m²; mould 1: {mould}"
     assert next(csv.DictReader(io.StringIO(schedule_text(sheets))))["notes"] == panel_totals(sheets)
     two = [own._replace(fit=replace(own.fit, mould=2)) if k < 3 else own for k, own in enumerate(sheets)]
     own = sum(sheet.area for sheet in sheets[:3])
-    assert panel_totals(two).split("; ")[1] == f"mould 1: {len(sheets) - 3} panels, {area - own:.3f} m², mould 2: 3 panels, {own:.3f} m²"
+    first, second = f"{len(sheets) - 3} panels, {area - own:.3f} m²", f"3 panels, {own:.3f} m²"
+    assert panel_totals(two).split("; ")[1] == f"mould 1: {mould} ({first}), mould 2: {mould} ({second})"
 
 
 def test_panels_that_would_break_come_first_with_remedies_that_hold(report):
@@ -122,6 +125,19 @@ def test_the_pdf_has_a_page_per_panel_and_is_the_same_again(report, tmp_path):
     first, again = (save_panel_sheets(sheets, tmp_path / name, "facade:").read_bytes() for name in ("a.pdf", "b.pdf"))
     assert first == again
     assert first.count(b"/Type /Page ") == 2 + len(sheets)
+
+
+def test_a_view_says_where_other_panels_are_drawn(report):
+    sheets = panel_sheets(*report)
+    turned = [own._replace(view=own.view[[0, 2, 1]]) if k < 3 else own for k, own in enumerate(sheets)]
+    texts = [" ".join(text.get_text() for text in page.texts) for page in _pages(turned, "facade:", (0.0, 1.0))]
+    elevation, plan = [text for text in texts if "dots: corner 1" in text]
+    assert f"south elevation of {len(sheets) - 3} of {len(sheets)} panels" in elevation and "the other panels are in: plan" in elevation
+    assert f"plan of 3 of {len(sheets)} panels" in plan and "the other panels are in: south elevation" in plan
+    # Every page says what K and the strength are.
+    drawings = [text for text in texts if "dots: corner 1" not in text]
+    assert len(drawings) == 1 + len(sheets)
+    assert all("product of the two principal curvatures" in text and "characteristic strength of 45 MPa" in text for text in drawings)
 
 
 def test_remarks_name_panels_whose_largest_stress_has_no_limit_and_short_seams(report):

@@ -27,6 +27,8 @@ from compas_cgc.fabrication.allowance import reach
 from compas_cgc.fabrication.allowance import widened
 from compas_cgc.fabrication.assembly import draw_plan
 from compas_cgc.fabrication.drawing import LETTER_WIDTH
+from compas_cgc.fabrication.drawing import overlap
+from compas_cgc.fabrication.drawing import text_box
 from compas_cgc.fabrication.figures import in_mm
 from compas_cgc.fabrication.figures import in_square_metres
 from compas_cgc.fabrication.flattening import flattening_constant
@@ -50,6 +52,7 @@ from ..support.shapes import icosphere
 from ..support.shapes import torus
 
 SHEET = (3.0, 1.5)
+TEXTS = ("NODE", "LABEL", "RULING", "SEAM")  # layers with texts on pieces
 
 
 def ring(rows=8, around=30) -> CGCProblem:
@@ -782,6 +785,16 @@ def test_labels_lie_inside_their_pieces(cut):
     for label in labels.values():
         half = 0.5 * label.height * np.array([0.8 * len(label.text), 1.0])
         assert any(own.contains(shapely.box(*(label.place - half), *(label.place + half))) for own in cuts)
+
+
+def test_numbers_of_nodes_are_clear_of_all_other_texts():
+    vault = solve(read(get("vault.3dm")))
+    drawing = draw_sheets(unroll(vault, (3.0, 1.5), material="plywood", thickness=12))
+    boxes = {layer: [text_box(own.text, own.place, own.height) for own in drawing.texts if own.layer == layer] for layer in TEXTS}
+    others = [box for layer in TEXTS[1:] for box in boxes[layer]]
+    assert len(boxes["NODE"]) > 100 and not any(overlap(node, other) for node in boxes["NODE"] for other in others)
+    legend = " ".join(own.text for own in drawing.texts if own.layer == "LEGEND")
+    assert "free: 15 mm between pieces" in legend and "product of the two principal curvatures" in legend
 
 
 def test_joints_fill_sheets_and_short_seams_are_moved_or_named():
