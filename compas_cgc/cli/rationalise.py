@@ -314,13 +314,10 @@ def _write_surface(path: Path, arguments: argparse.Namespace, found: Rationalise
 
     if path.suffix.lower() != ".3dm":
         return write(path, found.result)
-    from ..io.rhino.panel_layers import PanelClasses
-    from ..io.rhino.panel_layers import write_panels
+    from ..rationalisation.files import write_rationalised
 
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
-    classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
-    texts = {"compas_cgc.rationalised": json.dumps(_record(arguments, found))}
-    return write_panels(path, found.result, classes, texts, source, arguments.nurbs)
+    return write_rationalised(path, found, _record(arguments, found), source, arguments.nurbs)
 
 
 def _record(arguments: argparse.Namespace, found: Rationalised) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import os
 import sys
 import time
 from collections.abc import Iterator
+from collections.abc import Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,6 +27,7 @@ from .parser import count
 
 if TYPE_CHECKING:
     from ..study import Results
+    from ..study import Study
     from ..study.run import Progress
 
 __all__ = ["add_arguments", "run"]
@@ -42,12 +44,23 @@ The study is a TOML file with the parameters to vary:
   least = ["area"]
   most = ["volume"]
 
+A study of a freeform design, which compas-cgc rationalise takes, varies moulds, panel, within or seams:
+
+  [rationalise]
+  supports = "boundary"               # and other options of rationalise
+  [parameters]
+  panel = [2.0, 2.5, 3.0]
+  moulds = [3, 4, 6, 8]
+  [pareto]
+  least = ["moulds", "distance"]
+
 OUT is a folder for table.csv (and table.parquet), surfaces.npy, contact_sheet.png, pareto.png and best/*.3dm. To resume a study that was
 stopped, run the same command again. See docs/studies.md.
 
 examples:
   compas-cgc study roof.3dm study.toml -o roofs
   compas-cgc study roof.3dm study.toml -o roofs --workers 4
+  compas-cgc study design.3dm panels.toml -o panels
   compas-cgc study roof.3dm study.toml -o roofs --executor dask://scheduler:8786
 """
 
@@ -77,8 +90,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     echo = printer(arguments.quiet)
     study = read_study(arguments.study)
-    read = read_input(arguments)
-    for note in read.notes:
+    drawing, notes = _varied(arguments, study)
+    for note in notes:
         echo(f"{arguments.input}: {note}")
     shown = _Bar(arguments.quiet)
     with interruptible() as cancelled, _executor(arguments) as executor:
@@ -89,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         try:
             workers = 0 if executor is not None else arguments.workers or os.cpu_count() or 1
-            results = run_study(read.checked(), study, arguments.output, workers=workers, executor=executor, on_progress=on_progress)
+            results = run_study(drawing, study, arguments.output, workers=workers, executor=executor, on_progress=on_progress)
         finally:
             shown.close()
     if len(results) < len(study.variants):
@@ -104,6 +117,17 @@ def run(arguments: argparse.Namespace) -> int:
     for path, variant in zip(write_best(results, Path(arguments.input)), best_variants(results)):
         echo(f"variant {variant}: wrote {path}")
     return DONE
+
+
+def _varied(arguments: argparse.Namespace, study: Study) -> tuple[Any, Sequence[str]]:
+    """Return the drawing or the freeform design of a study, and notes on reading it."""
+    if study.rationalise is None:
+        read = read_input(arguments)
+        return read.checked(), read.notes
+    from ..rationalisation.design import given_design
+
+    design = given_design(arguments.input)
+    return design, design.notes
 
 
 @contextmanager
@@ -158,5 +182,7 @@ def _summary(results: Results) -> str:
     status, verdict = results.column("status"), results.column("verdict")
     fair = sum(own == "converged" and word == "fair" for own, word in zip(status, verdict))
     rough = sum(own == "converged" and word != "fair" for own, word in zip(status, verdict))
-    left = len(results) - fair - rough
-    return f"{len(results)} variants: {fair} fair, {rough} rough, {left} not converged\nwrote {results.folder / 'table.csv'}"
+    exceeded = status.count("exceeded")
+    left = len(results) - fair - rough - exceeded
+    farther = f"{exceeded} farther from the design than allowed, " if exceeded else ""
+    return f"{len(results)} variants: {fair} fair, {rough} rough, {farther}{left} not converged\nwrote {results.folder / 'table.csv'}"

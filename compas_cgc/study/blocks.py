@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import pickle
 from collections import OrderedDict
+from typing import Union
 
 from ..execution.worker import report
 from ..execution.worker import stop_wanted
+from .designs import DesignPlan
+from .designs import plan_of
 from .variants import Measured
 from .variants import Plan
 
@@ -18,7 +21,7 @@ __all__ = ["solve_block"]
 
 PLANS = 2  # number of plans cached by a worker
 
-_plans: OrderedDict[str, Plan] = OrderedDict()
+_plans: OrderedDict[str, Union[Plan, DesignPlan]] = OrderedDict()
 
 
 def solve_block(digest: str, content: bytes, first: int, last: int) -> list[Measured]:
@@ -33,7 +36,7 @@ def solve_block(digest: str, content: bytes, first: int, last: int) -> list[Meas
     """
     plan = _plans.get(digest)
     if plan is None:
-        plan = _plans[digest] = Plan(*pickle.loads(content))
+        plan = _plans[digest] = plan_of(*pickle.loads(content))
         if len(_plans) > PLANS:
             _plans.popitem(last=False)
     done = []

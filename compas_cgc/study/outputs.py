@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Optional
 
 from .. import io
+from ..rationalisation import Rationalised
+from ..rationalisation.files import write_rationalised
 from .pareto import pareto_figure
 from .pareto import pareto_front
 from .results import Results
@@ -20,6 +22,8 @@ FIRST = 3  # number of best variants taken from the Pareto front if the study ha
 def write_pictures(results: Results) -> list[Path]:
     """Write the contact sheet, and the Pareto picture if the study has objectives; return their paths.
 
+    Variants of a design have no contact sheet: their surfaces are not kept.
+
     Raises
     ------
     CGCError
@@ -27,7 +31,7 @@ def write_pictures(results: Results) -> list[Path]:
     """
     from ..plot import save
 
-    written = [save(contact_sheet(results), results.folder / "contact_sheet.png")]
+    written = [] if results.of_design else [save(contact_sheet(results), results.folder / "contact_sheet.png")]
     if len(results.study.pareto.columns) > 1 and len(results.good()):
         written.append(save(pareto_figure(results), results.folder / "pareto.png"))
     return written
@@ -62,6 +66,11 @@ def write_best(results: Results, source: Optional[Path] = None) -> list[Path]:
     for variant in best_variants(results):
         path = results.folder / BEST / f"variant-{variant:04d}.3dm"
         path.parent.mkdir(exist_ok=True)
-        io.write(path, results.plan.solve(variant), source=kept)
+        found = results.plan.solve(variant)
+        if isinstance(found, Rationalised):
+            of_design = source if source is not None and source.suffix.lower() == ".3dm" else None
+            write_rationalised(path, found, found.to_dict(), of_design)
+        else:
+            io.write(path, found, source=kept)
         written.append(path)
     return written

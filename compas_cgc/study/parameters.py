@@ -20,7 +20,7 @@ from .morph import straight_on
 from .sampling import Values
 from .sampling import values_of
 
-__all__ = ["KINDS", "Parameter", "parameter_of"]
+__all__ = ["KINDS", "OF_DESIGNS", "OF_DRAWINGS", "Parameter", "parameter_of"]
 
 Change = Callable[[CGCProblem, Any], CGCProblem]
 
@@ -38,9 +38,19 @@ GOALS = {
 }
 STRATEGIES = ("s", "e")
 SHAPES = ("supports", "move")  # kinds that change the drawing itself, before targets and goals are set
-KINDS = ("K", *STRATEGIES, *SHAPES, *GOALS)
+OF_DRAWINGS = ("K", *STRATEGIES, *SHAPES, *GOALS)
+OF_DESIGNS = ("moulds", "panel", "within", "seams")  # options of rationalise, for freeform designs
+KINDS = (*OF_DRAWINGS, *OF_DESIGNS)
+_WORDS = ("supports", "seams")  # kinds whose values are words or lists
 _OF_VALUES = ("values", "from", "to", "count", "scale", "kind")
-_OF_KIND = {"K": ("region",), "s": ("crease",), "e": ("crease",), "supports": (), "move": ("crease", "vertices", "direction")}
+_OF_KIND = {
+    "K": ("region",),
+    "s": ("crease",),
+    "e": ("crease",),
+    "supports": (),
+    "move": ("crease", "vertices", "direction"),
+    **dict.fromkeys(OF_DESIGNS, ()),
+}
 
 
 @dataclass(frozen=True)
@@ -114,7 +124,7 @@ def parameter_of(name: str, given: object) -> Parameter:
     if unknown:
         known = ", ".join((*_OF_KIND[kind], *_OF_VALUES))
         raise CGCError(f"the parameter {name}: unknown key {unknown[0]!r} for the kind {kind}; the keys are {known}")
-    values = values_of(name, table, words=kind == "supports")
+    values = values_of(name, table, words=kind in _WORDS)
     if kind == "move":
         more["direction"] = _direction(name, more.get("direction"))
         if ("crease" in more) is ("vertices" in more):

@@ -18,6 +18,10 @@ from ..errors import FileError
 from ..errors import names_what_was_meant
 from ..io import read_problem
 from ..model.problem import CGCProblem
+from ..rationalisation.design import GivenDesign
+from ..rationalisation.design_data import design_from_dict
+from .designs import DesignPlan
+from .designs import plan_of
 from .spec import Ranking
 from .spec import Study
 from .table import cells
@@ -25,9 +29,10 @@ from .table import parsed
 from .table import read_rows
 from .variants import Plan
 
-__all__ = ["DRAWING", "PARQUET", "STUDY", "SURFACES", "TABLE", "Results", "refuse_no_results"]
+__all__ = ["DESIGN", "DRAWING", "PARQUET", "STUDY", "SURFACES", "TABLE", "Results", "refuse_no_results"]
 
-STUDY, DRAWING, TABLE, PARQUET, SURFACES = "study.json", "drawing.json", "table.csv", "table.parquet", "surfaces.npy"
+STUDY, DRAWING, DESIGN = "study.json", "drawing.json", "design.json"
+TABLE, PARQUET, SURFACES = "table.csv", "table.parquet", "surfaces.npy"
 
 
 def refuse_no_results(given: object) -> None:
@@ -98,8 +103,27 @@ class Results:
         return read_problem(self.folder / DRAWING).checked()
 
     @cached_property
-    def plan(self) -> Plan:
-        """The study applied to the drawing, which returns the problem of any variant.
+    def design(self) -> GivenDesign:
+        """The freeform design from which the variants are derived.
+
+        Raises
+        ------
+        FileError
+            If it cannot be read.
+        """
+        try:
+            return design_from_dict(json.loads((self.folder / DESIGN).read_text(encoding="utf-8")))
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+            raise FileError(f"{self.folder / DESIGN} cannot be read ({error}); run the study again") from None
+
+    @property
+    def of_design(self) -> bool:
+        """Whether the variants are those of a freeform design."""
+        return self.study.rationalise is not None
+
+    @cached_property
+    def plan(self) -> Union[Plan, DesignPlan]:
+        """The study applied to the drawing, which returns the problem of any variant, or to the design.
 
         Raises
         ------
@@ -107,15 +131,24 @@ class Results:
             If drawing, table and study are not of one run.
         """
         study, digest = self._defined
-        plan = Plan(study, self.drawing)
+        drawing = self.design if self.of_design else self.drawing
+        plan = plan_of(study, drawing)
         starts = [[parsed(cell) for cell in cells(plan.start(k))] for k in range(len(study.variants))]
-        if study.digest(self.drawing) != digest or any(row[: len(start)] != start for row, start in zip(self.rows, starts)):
+        if study.digest(drawing) != digest or any(row[: len(start)] != start for row, start in zip(self.rows, starts)):
             raise FileError(f"the files in {self.folder} are of different studies; run the study again")
         return plan
 
     @cached_property
     def surfaces(self) -> FloatArray:
-        """Vertices of all variants (variants, n, 3) [L], NaN for variants without a surface; memory-mapped from the file."""
+        """Vertices of all variants (variants, n, 3) [L], NaN for variants without a surface; memory-mapped from the file.
+
+        Raises
+        ------
+        CGCError
+            If the variants are those of a design, which have no common mesh.
+        """
+        if self.of_design:
+            raise CGCError("variants of a design have no common mesh; results.plan.solve(variant) returns the panels of a variant")
         return np.load(self.folder / SURFACES, mmap_mode="r")
 
     def column(self, name: str) -> list[Any]:
@@ -160,10 +193,8 @@ class Results:
             If the variant does not exist or has no surface.
         """
         vertices = self.vertices(variant)
-        problem = self.plan.problem(variant).with_vertices(vertices)
-        found = {
-            int(name[1:]): value for name, value in zip(self.columns, self.rows[variant]) if name in self.plan.found and value is not None
-        }
+        problem, unknown = self.plan.problem(variant).with_vertices(vertices), self.plan.found
+        found = {int(name[1:]): value for name, value in zip(self.columns, self.rows[variant]) if name in unknown and value is not None}
         return problem.with_targets(found) if found else problem
 
     def vertices(self, variant: int) -> FloatArray:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 from typing import Optional
 from typing import Union
+from typing import cast
 
 from .. import io
 from .._atomic_write import write_text
@@ -28,7 +29,14 @@ from ..execution.protocol import TaskExecutor
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
+from ..rationalisation.design import DesignInput
+from ..rationalisation.design import GivenDesign
+from ..rationalisation.design import given_design
+from ..rationalisation.design_data import design_to_dict
 from .blocks import solve_block
+from .designs import DesignPlan
+from .designs import plan_of
+from .results import DESIGN
 from .results import DRAWING
 from .results import PARQUET
 from .results import STUDY
@@ -60,7 +68,7 @@ class Progress(NamedTuple):
 
 @names_what_was_meant()
 def run_study(
-    drawing: PosesProblem,
+    drawing: Union[PosesProblem, DesignInput],
     study: Study,
     folder: Union[str, os.PathLike[str]],
     *,
@@ -76,7 +84,7 @@ def run_study(
     Parameters
     ----------
     drawing
-        A mesh or problem.
+        A mesh or problem. For a study of a freeform design, anything that :func:`compas_cgc.rationalise` takes.
     study
         Parameters, sampling and measures.
     folder
@@ -106,10 +114,14 @@ def run_study(
     --------
     >>> run_study(problem, study, "roofs")  # doctest: +SKIP
     """
-    problem = problem_of(drawing, "is varied").without_dummies()
     if not isinstance(study, Study):
         raise CGCError(f"study must be a Study, from Study.from_dict({{...}}) or read_study('study.toml'), not {study!r:.60}")
-    plan = Plan(study, problem)
+    varied: Union[CGCProblem, GivenDesign]
+    if study.rationalise is None:
+        varied = problem_of(cast(PosesProblem, drawing), "is varied").without_dummies()
+    else:
+        varied = given_design(drawing)
+    plan = plan_of(study, varied)
     home = Path(folder)
     count = len(study.variants)
     try:
@@ -119,11 +131,14 @@ def run_study(
     with one_writer(home, lambda: bool(on_progress and on_progress(Progress(0, count, 0)))) as held:
         if not held:
             return Results(home)
-        digest = _claimed(home, study, problem)
-        table = Table(home / TABLE, home / SURFACES, plan.columns, [plan.start(k) for k in range(count)], len(problem.vertices))
+        digest = _claimed(home, study, varied)
+        starts = [plan.start(k) for k in range(count)]
+        # Variants of a design have different meshes, which are not kept.
+        kept = None if isinstance(varied, GivenDesign) else len(varied.vertices)
+        table = Table(home / TABLE, home / SURFACES, plan.columns, starts, kept)
         own = WorkerPool(workers, warm_up) if executor is None and workers and table.rows < count else None
         try:
-            run = _Run(plan, digest, pickle.dumps((study, problem)), table, on_progress)
+            run = _Run(plan, digest, pickle.dumps((study, varied)), table, on_progress)
             chosen = executor or own
             finished = run.by(chosen) if chosen is not None else run.here()
         finally:
@@ -139,7 +154,9 @@ def run_study(
 class _Run:
     """One run of a study."""
 
-    def __init__(self, plan: Plan, digest: str, content: bytes, table: Table, on_progress: Optional[Callable[[Progress], object]]):
+    def __init__(
+        self, plan: Union[Plan, DesignPlan], digest: str, content: bytes, table: Table, on_progress: Optional[Callable[[Progress], object]]
+    ):
         self.plan, self.digest, self.content, self.table = plan, digest, content, table
         self.on_progress = on_progress
         self.count = len(plan.study.variants)
@@ -217,9 +234,9 @@ class _Run:
             return [self.plan.refused(block[0], f"{error}", "failed")]
 
 
-def _claimed(home: Path, study: Study, problem: CGCProblem) -> str:
+def _claimed(home: Path, study: Study, drawing: Union[CGCProblem, GivenDesign]) -> str:
     """Create the folder of a study, or check that it belongs to this study; return the digest of the study."""
-    digest = study.digest(problem)
+    digest = study.digest(drawing)
     try:
         known = json.loads((home / STUDY).read_text(encoding="utf-8")) if (home / STUDY).exists() else None
         if known is not None and not isinstance(known, dict):
@@ -235,5 +252,8 @@ def _claimed(home: Path, study: Study, problem: CGCProblem) -> str:
         raise CGCError(f"{home} holds another study, or one of another version of compas_cgc; choose another folder, or delete this one")
     about = {"version": __version__, "digest": digest, "study": dict(study.data)}
     write_text(home / STUDY, json.dumps(about, indent=1, ensure_ascii=False) + "\n")
-    io.write(home / DRAWING, problem)
+    if isinstance(drawing, GivenDesign):
+        write_text(home / DESIGN, json.dumps(design_to_dict(drawing), ensure_ascii=False) + "\n")
+    else:
+        io.write(home / DRAWING, drawing)
     return digest

@@ -20,8 +20,11 @@ from ..errors import did_you_mean
 from ..errors import names_what_was_meant
 from ..model.constraint_data import as_goals
 from ..model.problem import CGCProblem
+from ..rationalisation.design import GivenDesign
+from ..rationalisation.design_data import design_to_dict
 from ..solvers.registry import settings_for
 from ..solvers.settings import Settings
+from .parameters import OF_DESIGNS
 from .parameters import Parameter
 from .parameters import parameter_of
 from .sampling import MAX_VARIANTS
@@ -43,11 +46,14 @@ _KEYS = (
     "settings",
     "panels",
     "membrane",
+    "rationalise",
     "pareto",
     "best",
 )
 _PANELS = ("size", "count", "along", "material", "thickness", "tolerance")
 _MEMBRANE = ("pressure", "weight", "edge_beams")
+_RATIONALISE = ("moulds", "panel", "seams", "within", "flat", "supports", "edges", "tolerance", "costs", "weights")
+_OF_DRAWINGS = ("supports", "target", "goals", "unknown", "method", "settings", "panels", "membrane")  # keys for surfaces of drawings
 
 
 @dataclass(frozen=True)
@@ -95,6 +101,8 @@ class Study:
         Options of the division into panels, if panels are measured.
     membrane
         Loads, if forces are measured.
+    rationalise
+        Options of :func:`compas_cgc.rationalise` that all variants share, if a freeform design is varied instead of a drawing.
     pareto
         Objectives of the Pareto front.
     best
@@ -121,6 +129,7 @@ class Study:
     settings: Mapping[str, Any] = field(default_factory=dict)
     panels: Optional[Mapping[str, Any]] = None
     membrane: Optional[Mapping[str, Any]] = None
+    rationalise: Optional[Mapping[str, Any]] = None
     pareto: Ranking = Ranking()
     best: Ranking = Ranking()
     data: Mapping[str, Any] = field(default_factory=dict)  # plain data of the study
@@ -175,6 +184,7 @@ class Study:
             dict(data.get("settings", {})),
             _table("panels", data, _PANELS),
             _table("membrane", data, _MEMBRANE),
+            _of_design(data, parameters),
             _ranking("pareto", data),
             _ranking("best", data),
             dict(data),
@@ -217,10 +227,14 @@ class Study:
         except (ValueError, TypeError) as error:
             raise CGCError(f"the study: {error}") from None
 
-    def digest(self, problem: CGCProblem) -> str:
+    def digest(self, drawing: Union[CGCProblem, GivenDesign]) -> str:
         """Return a digest of everything that determines the table: study, drawing and version."""
         told = {key: value for key, value in self.data.items() if key not in ("pareto", "best")}
         found = hashlib.blake2b(json.dumps(told, sort_keys=True).encode(), digest_size=16)
+        if isinstance(drawing, GivenDesign):
+            found.update(json.dumps(design_to_dict(drawing), sort_keys=True).encode())
+            return found.hexdigest()
+        problem = drawing
         for array in (problem.vertices, problem.faces, problem.roles, problem.targets, problem.s, problem.e, problem.creases):
             found.update(array.tobytes())
         found.update(repr(problem.goals).encode())
@@ -291,6 +305,25 @@ def _table(name: str, data: Mapping[str, Any], keys: tuple[str, ...]) -> Optiona
         raise CGCError(f"{name} must be a table with keys from {', '.join(keys)}, not {given!r}")
     _known(name, given, keys)
     return dict(given)
+
+
+def _of_design(data: Mapping[str, Any], parameters: tuple[Parameter, ...]) -> Optional[Mapping[str, Any]]:
+    """Return the options of a study of a design, None for a study of a drawing; a study is of one or the other."""
+    given = _table("rationalise", data, _RATIONALISE)
+    of_design = [own.name for own in parameters if own.kind in OF_DESIGNS]
+    if given is None and not of_design:
+        return None
+    wrong = [own.name for own in parameters if own.kind not in OF_DESIGNS] + [key for key in _OF_DRAWINGS if key in data]
+    if wrong:
+        cause = f"the parameter {of_design[0]}" if of_design else "the table [rationalise]"
+        raise CGCError(
+            f"{cause} is for freeform designs, but {wrong[0]} is for drawings; parameters of designs are {', '.join(OF_DESIGNS)}, "
+            "and other options belong to the table [rationalise]"
+        )
+    twice = [own.kind for own in parameters if own.kind in (given or {})]
+    if twice:
+        raise CGCError(f"{twice[0]} is a parameter and in the table [rationalise]; give it once")
+    return given or {}
 
 
 def _ranking(name: str, data: Mapping[str, Any]) -> Ranking:

@@ -35,7 +35,7 @@ class Table:
     starts
         First values of the row of every variant: its number and parameters.
     vertices
-        Number of vertices per variant.
+        Number of vertices per variant, None if surfaces are not kept.
 
     Attributes
     ----------
@@ -43,23 +43,28 @@ class Table:
         Number of written rows.
     """
 
-    def __init__(self, path: Path, surfaces: Path, columns: Sequence[str], starts: Sequence[Sequence[Any]], vertices: int):
+    def __init__(self, path: Path, surfaces: Path, columns: Sequence[str], starts: Sequence[Sequence[Any]], vertices: Optional[int]):
         self.rows = _whole_rows(path, columns, starts)
-        shape = (len(starts), vertices, 3)
+        self._surfaces: Optional[np.memmap] = None
         try:
-            known = self.rows > 0 and _is_array(surfaces, shape)
-            if self.rows and not known:
-                set_aside(surfaces)
-                set_aside(path)
-                self.rows = 0
-            if not known:
-                _reserve(surfaces, shape)
-            self._surfaces = np.lib.format.open_memmap(surfaces, "r+")
+            if vertices is not None:
+                self._surfaces = self._opened(path, surfaces, (len(starts), vertices, 3))
             self._file = open(path, "a", encoding="utf-8", newline="")
             if not self.rows and not self._file.tell():
                 self._write([tuple(columns)])
         except (OSError, ValueError) as error:
             raise FileError(f"{path.parent} is not writable ({error}); free disk space or choose another folder") from None
+
+    def _opened(self, path: Path, surfaces: Path, shape: tuple[int, int, int]) -> np.memmap:
+        """Return the array of surfaces; a table without its surfaces is set aside."""
+        known = self.rows > 0 and _is_array(surfaces, shape)
+        if self.rows and not known:
+            set_aside(surfaces)
+            set_aside(path)
+            self.rows = 0
+        if not known:
+            _reserve(surfaces, shape)
+        return np.lib.format.open_memmap(surfaces, "r+")
 
     def add(self, block: Sequence[Measured]) -> None:
         """Write the next variants, surfaces first, so that every row has its surface.
@@ -71,7 +76,8 @@ class Table:
         """
         try:
             for one in block:
-                self._surfaces[self.rows] = np.nan if one.vertices is None else one.vertices
+                if self._surfaces is not None:
+                    self._surfaces[self.rows] = np.nan if one.vertices is None else one.vertices
                 self.rows += 1
             self._write([one.row for one in block])
         except OSError as error:
@@ -79,7 +85,8 @@ class Table:
 
     def close(self) -> None:
         """Close the files."""
-        self._surfaces.flush()
+        if self._surfaces is not None:
+            self._surfaces.flush()
         self._file.close()
 
     def _write(self, rows: Sequence[tuple]) -> None:

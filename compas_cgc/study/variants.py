@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any
 from typing import NamedTuple
 from typing import Optional
@@ -24,7 +25,7 @@ from .parameters import STRATEGIES
 from .parameters import Change
 from .spec import Study
 
-__all__ = ["Measured", "Plan", "block_size"]
+__all__ = ["Measured", "Plan", "block_size", "check_columns"]
 
 MEASURES = ("status", "verdict", "rise", "height", "area", "volume", "error", "roughness", "steps", "method")
 CACHED_VERTICES = 1_000_000  # size of the cache of surfaces of identical variants [vertices]
@@ -37,6 +38,18 @@ def block_size(vertices: int, variants: int) -> int:
     """Return the number of variants per block for a study on a mesh with `vertices` vertices."""
     growth = max(1, min(MAX_GROWTH, variants // LONG_STUDY))
     return max(1, growth * min(MAX_BLOCK, MAX_VERTICES // max(1, vertices)))
+
+
+def check_columns(study: Study, columns: Sequence[str]) -> None:
+    """Check that the objectives of a study are columns of its table.
+
+    Raises
+    ------
+    CGCError
+    """
+    for column in (*study.pareto.columns, *study.best.columns):
+        if column not in columns:
+            raise CGCError(f"the table has no column {column!r}; the columns are {', '.join(columns)}")
 
 
 class Measured(NamedTuple):
@@ -75,10 +88,7 @@ class Plan:
         # Report errors in the study before the first solve.
         for own in study.parameters:
             own.change(self.drawing)
-        known = set(self.columns)
-        for column in (*study.pareto.columns, *study.best.columns):
-            if column not in known:
-                raise CGCError(f"the table has no column {column!r}; the columns are {', '.join(self.columns)}")
+        check_columns(study, self.columns)
 
     @property
     def columns(self) -> tuple[str, ...]:

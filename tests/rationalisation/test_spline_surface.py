@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 
 from compas_cgc.rationalisation.chart import chart_of
 from compas_cgc.rationalisation.chart import fitted_surface
+from compas_cgc.rationalisation.design import given_design
+from compas_cgc.rationalisation.design_data import design_from_dict
+from compas_cgc.rationalisation.design_data import design_to_dict
 
 from ..support.freeform import mesh_over
+from ..support.freeform import nurbs_file
 from ..support.freeform import quarter_torus
 
 UV = np.random.default_rng(1).uniform([0.05, 0.05], [0.95, 3.95], (40, 2))
@@ -55,3 +61,16 @@ def test_a_fit_reaches_its_tolerance_and_keeps_the_plan():
     points = fitted.surface.at(plan)
     assert np.allclose(points[:, :2], plan, atol=1e-12)
     assert np.abs(points[:, 2] - 0.5 * np.sin(0.5 * plan[:, 0]) * np.cos(0.4 * plan[:, 1])).max() < 3e-3
+
+
+def test_designs_survive_json(tmp_path):
+    """A study keeps its design as JSON: every number, the supports, the units, and a mesh with its polygons."""
+    nurbs_file(tmp_path / "roof.3dm", lambda x, y: 2.0 - 0.03 * (x - 6.0) ** 2 - 0.05 * (y - 4.0) ** 2, 12.0, 8.0)
+    mesh = ([[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [1.0, 1.0, 0.3], [0.0, 1.0, 0.1], [2.0, 0.5, 0.0]], [[0, 1, 2, 3], [1, 4, 2]])
+    for given in (given_design(str(tmp_path / "roof.3dm")), given_design(mesh)):
+        again = design_from_dict(json.loads(json.dumps(design_to_dict(given))))
+        assert design_to_dict(again) == design_to_dict(given)
+        assert again.drawing == given.drawing and again.vertices.shape == given.vertices.shape
+        if given.surface is not None:
+            assert again.drawing.units == "Meters" and np.array_equal(again.surface.control, given.surface.control)
+            assert np.array_equal(again.surface.at(again.surface.domain.T), given.surface.at(given.surface.domain.T))

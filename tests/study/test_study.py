@@ -12,11 +12,14 @@ import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc import Clearance
+from compas_cgc import rationalise
 from compas_cgc import solve
 from compas_cgc import write
 from compas_cgc.cli import main
 from compas_cgc.discrete import face_normals
 from compas_cgc.errors import CGCError
+from compas_cgc.io.rhino.archive import list_items
+from compas_cgc.io.rhino.archive import read_archive
 from compas_cgc.study import Results
 from compas_cgc.study import Study
 from compas_cgc.study import pareto_front
@@ -25,6 +28,8 @@ from compas_cgc.study import run_study
 from compas_cgc.study import variants
 from compas_cgc.study.pareto import non_dominated
 from compas_cgc.study.variants import Plan
+
+from ..support.freeform import mesh_over
 
 N = 6
 
@@ -302,6 +307,60 @@ def test_one_command_gives_table_pictures_and_the_best(tmp_path, capsys):
     best = int(np.argmax(results.numbers("volume")))
     assert (tmp_path / "out" / "best" / f"variant-{best:04d}.3dm").exists()
     assert best in pareto_front(results) and "4 variants: 4 fair" in capsys.readouterr().out
+
+
+DESIGN = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2 + 0.004 * (x - 3.0) ** 2 * y, 8.0, 4.0, 0.5)
+
+
+def test_moulds_and_panels_of_a_design_are_varied(tmp_path):
+    study = of({"panel": [2.0, 4.0], "moulds": {"from": 1, "to": 2, "count": 2}}, rationalise={"edges": 3, "within": "15mm"})
+    seen = []
+    stopped = run_study(DESIGN, study, tmp_path / "panels", on_progress=lambda state: seen.append(state) or state.done == 2)
+    assert len(stopped) == 2
+    results = run_study(DESIGN, study, tmp_path / "panels", workers=1)
+    assert (tmp_path / "panels" / "table.csv").read_bytes() == (
+        run_study(DESIGN, study, tmp_path / "again").folder / "table.csv"
+    ).read_bytes()
+    assert results.column("moulds asked") == [1, 2, 1, 2] and results.column("panels") == [8, 8, 2, 2]
+    for variant, (panel, moulds) in enumerate(((2.0, 1), (2.0, 2), (4.0, 1), (4.0, 2))):
+        alone = rationalise(DESIGN, panel=panel, moulds=moulds, edges=3, within=0.015)
+        row = results.row(variant)
+        assert row["distance"] == alone.farthest and row["moulds"] == len(alone.curvatures)
+        assert row["status"] == ("converged" if alone.kept else "exceeded") and bool(row["note"]) != alone.kept
+    assert {"converged", "exceeded"} == set(results.column("status"))
+    assert results.good().tolist() == [k for k, status in enumerate(results.column("status")) if status == "converged"]
+    with pytest.raises(CGCError, match="no common mesh"):
+        results.vertices(0)
+    with pytest.raises(CGCError, match="holds another study"):
+        run_study(DESIGN, of({"moulds": [1]}), tmp_path / "panels")
+
+
+def test_one_command_varies_a_design_and_writes_the_best_panels(tmp_path, capsys):
+    vertices, quads = DESIGN
+    write(tmp_path / "design.json", CGCMesh.from_vertices_and_faces(vertices.tolist(), quads))
+    text = '[parameters]\nmoulds = [1, 3]\n[rationalise]\npanel = 2.0\nedges = 3\n[pareto]\nleast = ["moulds", "distance"]\n'
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    assert main(["study", str(tmp_path / "design.json"), str(tmp_path / "study.toml"), "-o", str(tmp_path / "out"), "--workers", "1"]) == 0
+    results = Results(tmp_path / "out")
+    assert pareto_front(results).tolist() == [0, 1] and "2 variants: 2 fair" in capsys.readouterr().out
+    assert (tmp_path / "out" / "pareto.png").exists() and not (tmp_path / "out" / "contact_sheet.png").exists()
+    layers = [item.layer for item in list_items(read_archive(tmp_path / "out" / "best" / "variant-0001.3dm"))]
+    assert sum(layer.startswith("CGC Rationalised::Moulds::") for layer in layers) == 8
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ({"parameters": {"moulds": [2], "K": [0.1]}}, "moulds is for freeform designs, but K is for drawings"),
+        ({"parameters": {"moulds": [2]}, "supports": "corners"}, "but supports is for drawings"),
+        ({"parameters": {"panel": [2.0]}, "rationalise": {"panel": 3.0}}, "panel is a parameter and in the table"),
+        ({"parameters": {"panel": [2.0]}, "rationalise": {"mould": 3}}, "did you mean 'moulds'"),
+        ({"parameters": {"K": [2.0]}, "rationalise": {}}, "the table .rationalise. is for freeform designs, but K is for drawings"),
+    ],
+)
+def test_a_study_is_of_a_drawing_or_of_a_design(data, said):
+    with pytest.raises(CGCError, match=said):
+        Study.from_dict(data)
 
 
 def test_a_file_that_is_no_study_is_told_by_its_name(tmp_path):

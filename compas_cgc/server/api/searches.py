@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import tempfile
 from collections.abc import Mapping
@@ -130,9 +129,8 @@ def _limits(problem: CGCProblem, settings: Mapping[str, Any]) -> Found:
 
 
 def _rationalised(design: Union[CGCProblem, GivenDesign], settings: Mapping[str, Any]) -> Found:
-    from ...io.rhino.panel_layers import PanelClasses
-    from ...io.rhino.panel_layers import write_panels
     from ...rationalisation import rationalise
+    from ...rationalisation.files import write_rationalised
     from ...rationalisation.run import Progress
 
     def watch(state: Progress) -> bool:
@@ -153,12 +151,11 @@ def _rationalised(design: Union[CGCProblem, GivenDesign], settings: Mapping[str,
         "seams": found.panelling.seams,
         "supports": found.result.problem.supports,
     }
-    data = {**plain(found.to_dict()), **{name: array.tolist() for name, array in arrays.items()}, "text": found.summary}
-    record = json.dumps(plain(found.to_dict()), ensure_ascii=False)
-    classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
+    record = plain(found.to_dict())
+    data = {**record, **{name: array.tolist() for name, array in arrays.items()}, "text": found.summary}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "panels.3dm"
-        write_panels(path, found.result, classes, {"compas_cgc.rationalised": record})
+        write_rationalised(path, found, record)
         return Found(found.summary.splitlines()[0], data, {"3dm": path.read_bytes()}, found.design.notes)
 
 
