@@ -36,6 +36,7 @@ __all__ = ["Lagrangian", "Model", "State"]
 
 # Weight of what shape operators differ from linear functions about a vertex. It is of fourth order in the length of edges, so that it
 # vanishes under refinement, and it removes oscillations that bending hardly sees. Heights err least for 1 among 0, .1, 1 and 10.
+MOMENT_DIGITS = 6  # of moments at unit size that are compared, so that rounding does not order mirror twins
 EVENNESS = 1.0
 DETERMINANT = np.outer(TRACE, TRACE) - np.diag(OCCURRENCES)  # second derivative of the second invariant of a packed matrix
 
@@ -239,6 +240,14 @@ class Lagrangian:
     def volume(self, unknowns: FloatArray, areas: FloatArray) -> float:
         """Return the volume under the moves of the vertices along their directions, for unknowns (u,) and areas of faces (m,)."""
         return float(np.einsum("m,m->", unknowns[self.mesh.faces].mean(axis=1), areas))
+
+    def moments(self, unknowns: FloatArray, areas: FloatArray) -> tuple[float, ...]:
+        """Return the volume under the moves and its second moments, rounded: those of mirror twins have opposite signs."""
+        centroids = self.drawing[self.mesh.faces].mean(axis=1)
+        arms = centroids - np.average(centroids, axis=0, weights=areas)
+        volumes = unknowns[self.mesh.faces].mean(axis=1) * areas
+        second = np.einsum("m,mi,mj->ij", volumes, arms, arms)[np.triu_indices(3)]
+        return tuple(np.round([volumes.sum(), *second], MOMENT_DIGITS).tolist())
 
     def at(self, unknowns: FloatArray) -> State:
         """Return energy and residuals for unknowns (u,)."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
+from scipy import sparse
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Mask
@@ -14,6 +15,7 @@ from ...linalg import SingularMatrixError
 from .lagrangian import Lagrangian
 from .lagrangian import Model
 from .lagrangian import State
+from .negative_curvature import negative_curvature
 from .saddle import Saddle
 
 __all__ = ["Step", "regularisation", "steps"]
@@ -28,6 +30,7 @@ ROUNDING = 1e-12  # change of the merit, against the energy, that is rounding
 EXACT, HALVINGS = 1.0, 4  # share of the second derivatives that are not convex, and how often it is halved before they are left out
 SHIFT, GROW, MOST = 1e-4, 10.0, 1e4  # first shift of the second derivatives, its factor, and its limit
 CLOSE, NEARER = 1e-2, 0.1  # step, against the size, near the end of the way; and part of a step that is left where factors still fit
+MET = 1e-4  # weight of the residuals in the merit, against the energy, up to which the equations are met and less energy is looked for
 PULL, CROSSED = 1e-9, 1e-13  # force of a side, against the largest, and distance behind it in the local frame, that is none
 SETTLED = 1e-8  # move of a vertex, against the size of the mesh, that is none
 STILL = 1e-12  # the same, that rounding makes
@@ -103,10 +106,18 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
                 if shift > MOST:
                     return
             continue
+        before, multipliers = here, after
         here, length, trials = searched
-        multipliers = after
         if trials == 1 and length == 1.0 and farthest <= CLOSE * size:
-            here, multipliers, forces, farthest = _closed_in(lagrangian, saddle, here, active, multipliers, forces, farthest, STILL * size)
+            less = None
+            if (share < EXACT or shift > 0.0) and float(weights @ before.missed) <= MET * before.energy:
+                less = _with_less_energy(lagrangian, saddle, before, model, active, (share, shift), weights, points, size)
+            if less is None:
+                here, multipliers, forces, farthest = _closed_in(
+                    lagrangian, saddle, here, active, multipliers, forces, farthest, STILL * size
+                )
+            else:
+                (here, length, trials), share, shift = less, EXACT, 0.0
         number += 1
         yield Step(here, multipliers, forces, length, trials, length == 1.0 and farthest < SETTLED * size, number)
         if length == 1.0:
@@ -166,11 +177,10 @@ def _factors(
 ) -> Optional[tuple[float, float]]:
     """Factorise the saddle matrix, and return the share of the exact second derivatives and the shift that give a minimum."""
     wanted, pattern = lagrangian.count, lagrangian.pattern
-    scale = float(np.median(model.convex[pattern.diagonal[: lagrangian.size]]))
     while shift <= MOST:
         hessian = model.convex + share * (model.hessian - model.convex)
         try:
-            if saddle.factorise(pattern.matrix(model, hessian, shift * scale, below), border) == wanted:
+            if saddle.factorise(pattern.matrix(model, hessian, shift * _stiffness(lagrangian, model), below), border) == wanted:
                 return share, shift
         except SingularMatrixError:
             pass
@@ -181,9 +191,42 @@ def _factors(
     return None
 
 
+def _stiffness(lagrangian: Lagrangian, model: Model) -> float:
+    """Return the median stiffness of the unknowns."""
+    return float(np.median(model.convex[lagrangian.pattern.diagonal[: lagrangian.size]]))
+
+
+def _with_less_energy(
+    lagrangian: Lagrangian, saddle: Saddle, here: State, model: Model, active: Mask, used: tuple[float, float], weights: FloatArray,
+    points: FloatArray, size: float,
+) -> Optional[tuple[State, float, int]]:  # fmt: skip
+    """Return a state with less energy along a direction of negative curvature, for the share and shift that made the matrix positive."""
+    pattern, (share, shift) = lagrangian.pattern, used
+    added = (1.0 - share) * (model.convex - model.hessian)
+    added[pattern.diagonal[: lagrangian.size]] += shift * _stiffness(lagrangian, model)
+    hessian, added = (
+        sparse.csr_matrix((own, pattern.indices, pattern.indptr), shape=(pattern.size,) * 2) for own in (model.hessian, added)
+    )
+    none = lagrangian.products(np.zeros(len(active)), active)
+
+    def responses(load: FloatArray) -> FloatArray:
+        solution = saddle.roughly(load, none)[0]
+        solution[lagrangian.size :] = 0.0
+        return solution
+
+    found = negative_curvature(responses, hessian, added, points[: lagrangian.moves] / size)
+    if found is None:
+        return None
+    longest = LONGEST * size
+    step, curvature = longest * found[0][: lagrangian.size], longest**2 * found[1]
+    slope = float(np.einsum("i,i", model.gradient, step)) - float(weights @ here.missed)
+    return _search(lagrangian, saddle, here, active, step, slope, weights, size, curvature)
+
+
 def _search(
-    lagrangian: Lagrangian, saddle: Saddle, here: State, active: Mask, step: FloatArray, slope: float, weights: FloatArray, size: float
-) -> Optional[tuple[State, float, int]]:
+    lagrangian: Lagrangian, saddle: Saddle, here: State, active: Mask, step: FloatArray, slope: float, weights: FloatArray, size: float,
+    curvature: float = 0.0,
+) -> Optional[tuple[State, float, int]]:  # fmt: skip
     """Return the state after the first of ever shorter steps that decreases the merit, the part of the step, and the trials."""
     farthest = float(np.abs(step[: lagrangian.moves]).max(initial=0.0))
     length = min(1.0, LONGEST * size / farthest) if farthest > 0.0 else 1.0
@@ -193,7 +236,7 @@ def _search(
         move, there = length * step, lagrangian.moved(here, length * step)
         for correction in range(CORRECTIONS + 1):
             trials += 1
-            if there.merit(weights) <= before + DECREASE * length * slope + allowed:
+            if there.merit(weights) <= before + DECREASE * length * (slope + 0.5 * length * curvature) + allowed:
                 return there, length, trials
             if correction < CORRECTIONS:
                 # A long step along a valley of the energy leaves the equations, so that without corrections steps would be short.

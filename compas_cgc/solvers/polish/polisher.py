@@ -68,7 +68,6 @@ SAME = 1e-6  # distance relative to the size, up to which two surfaces are the s
 MIRRORED = 1e-9  # relative difference of mirror images that is rounding
 ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
-RISE_DIGITS = 6  # of the volumes under mirror twins that are compared, in the local frame
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
 FIRST, GROWTH, SHORTEST = 0.25, 1.5, 0.03  # part of the way by which supports are lowered, its factor, and its limit
 WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
@@ -238,8 +237,8 @@ def _least_energy(
     found.sort(key=lambda end: not judged(end).fair)
     # Of mirror twins the one that rises along the normals comes first.
     twins = {id(end) for end in found if _alike(end, found[0]) and judged(end).fair == judged(found[0]).fair}
-    rises = {id(end): round(lagrangian.volume(end.state.unknowns, end.state.operators.areas), RISE_DIGITS) for end in found}
-    found.sort(key=lambda end: (id(end) not in twins, -rises[id(end)] if id(end) in twins else 0.0))
+    moments = {id(end): lagrangian.moments(-end.state.unknowns, end.state.operators.areas) for end in found}
+    found.sort(key=lambda end: (id(end) not in twins, moments[id(end)] if id(end) in twins else ()))
     best = found[0] if found else min(ends, key=lambda end: _error(lagrangian, end.state))
     _, _, H, K = lagrangian.curvatures(best.state.operators)
     law = pair_laws(problem.without_dummies(), lagrangian.mesh)[1]

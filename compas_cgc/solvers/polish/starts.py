@@ -28,6 +28,7 @@ PULLED = 2.0  # slope of a drawing beside its supports, against that elsewhere, 
 SAID = 0.05  # bending of a drawing, or its volume over the plate, against that of a dome, that says the side
 FLAT_FACE = 1e-8  # squared curvature times the area of the mesh, below which a drawing is flat
 DRAWN = 3.0  # bending of a drawing that is kept, against that of the plate over its supports
+ALIKE = 1e-6  # relative difference of the extents of a drawing in its plane, below which they are equal
 FLAT = 3e-5  # curvature against the largest, below which it is zero
 
 
@@ -70,7 +71,8 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
     if patterns.saddles.any():
         # Of mirror twins the one that rises along the normals comes first.
         ranks = patterns.ranks(found)
-        order = sorted(range(len(found)), key=lambda k: (ranks[k], -_volume(lagrangian, own.here, steps[k])))
+        moments = [_moments(lagrangian, own.here, -step) for step in steps]
+        order = sorted(range(len(found)), key=lambda k: (ranks[k], moments[k]))
         steps = [steps[k] for k in order]
     for step in steps:
         yield _with_even_angles(lagrangian, own.here, step)
@@ -113,11 +115,11 @@ def saddles(lagrangian: Lagrangian) -> Iterator[Lifted]:
         yield Lifted(lagrangian.at(unknowns), bent_by_supports(lagrangian, lifts[turn]), float(missed[turn]))
 
 
-def _volume(lagrangian: Lagrangian, here: State, step: FloatArray) -> float:
-    """Return the volume under the moves of a step (q,)."""
+def _moments(lagrangian: Lagrangian, here: State, step: FloatArray) -> tuple[float, ...]:
+    """Return the volume under the moves of a step (q,), and its second moments."""
     moves = np.zeros(len(lagrangian.drawing))
     moves[lagrangian.free[: lagrangian.moves]] = step[: lagrangian.moves]
-    return lagrangian.volume(moves, here.operators.areas)
+    return lagrangian.moments(moves, here.operators.areas)
 
 
 def _posed(lagrangian: Lagrangian, own: _Plate) -> tuple[FloatArray, FloatArray, Patterns]:
@@ -289,6 +291,10 @@ def _tensors(lagrangian: Lagrangian) -> tuple[FloatArray, FloatArray, FloatArray
 
 
 def _main_direction(lagrangian: Lagrangian) -> FloatArray:
-    """Return the direction (3,) in which the drawing extends farthest."""
+    """Return the direction (3,) in which the drawing extends farthest; if it extends alike, that of a coordinate axis in its plane."""
     V = lagrangian.drawing[np.unique(lagrangian.mesh.faces)]
-    return np.asarray(np.linalg.svd(V - V.mean(axis=0), full_matrices=False)[2][0])
+    _, lengths, axes = np.linalg.svd(V - V.mean(axis=0), full_matrices=False)
+    if lengths[1] < (1.0 - ALIKE) * lengths[0]:
+        return np.asarray(axes[0])
+    axis = np.eye(3)[np.argmin(np.round(np.abs(axes[2]), 6))]
+    return np.asarray(axis - (axis @ axes[2]) * axes[2])
