@@ -108,3 +108,12 @@ def plan_area(vertices, faces):
     """The area that triangles cover seen from above, those that face down taken off."""
     (ax, ay), (bx, by), (cx, cy) = (vertices[faces[:, k], :2].T for k in range(3))
     return 0.5 * np.sum((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
+
+
+def alternating(n):
+    """Return the faces of n by n squares, split along diagonals that alternate."""
+    i, j = np.divmod(np.arange(n * n), n)
+    a = i * (n + 1) + j
+    b, c, d = a + 1, a + n + 2, a + n + 1
+    one, other = np.stack([[a, d, c], [a, c, b]]), np.stack([[a, d, b], [d, c, b]])
+    return np.where(((i + j) % 2 == 0)[None, None], one, other).transpose(0, 2, 1).reshape(-1, 3)

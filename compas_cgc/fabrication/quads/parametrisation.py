@@ -26,8 +26,10 @@ __all__ = ["parametrised"]
 STRAIGHTNESS = 10.0  # weight of the direction of the lines against their distance
 RIM_ANGLE = np.deg2rad(12.0)  # angle between cross and rim up to which a part of the rim becomes a line
 MIN_RUN = 2.0  # of the spacing, shortest part of the rim that becomes a line
-RIDGE = 1e-9  # relative weight that keeps the mean of the coordinates near 0, for uniqueness
+RIDGE = 1e-9  # relative weight of the squared coordinates, so that the matrix is regular
 STIFFENINGS = 10  # largest number of times that faces turned over in the coordinates are made stiffer
+TIE = 1e-6  # difference of two distances, relative to the spacing, that is rounding
+ASKEW = 0.1 * QUARTER  # start of the range of the first direction [rad]
 ROUNDED = 1e-7  # difference from an integer below which a coordinate counts as one
 
 
@@ -87,11 +89,13 @@ def parametrised(
         whole = sparse.vstack(integers, format="csr") if integers else sparse.csr_matrix((0, 2 * n))
         for _ in integers:
             found = whole @ uv
-            off = np.abs(found - np.round(found))
+            integer = np.floor(found + 0.5 + TIE)
+            off = np.abs(found - integer)
             if off.max() <= ROUNDED:
                 break
-            nearest = int(np.argmin(np.where(off > ROUNDED, off, np.inf)))
-            rows, values = [*rows, whole[nearest]], np.r_[values, np.round(found[nearest])]
+            # On symmetric roofs several are as near.
+            nearest = int(np.argmin(np.where(off > ROUNDED, np.round(off / TIE), np.inf)))
+            rows, values = [*rows, whole[nearest]], np.r_[values, integer[nearest]]
             uv = _minimum(quadratic, linear, rows, values)
     near = _neighbours(faces)
     for _ in range(STIFFENINGS):
@@ -129,6 +133,8 @@ def _cut_edges(vertices: Vertices, faces: Faces, field: CrossField, singular: In
     """Return which inner edges (e,) are cut: shortest paths that join singularities and holes to the outer rim."""
     n = len(vertices)
     lengths = np.linalg.norm(vertices[field.edges[:, 0]] - vertices[field.edges[:, 1]], axis=1)
+    # Paths that are as long on symmetric roofs shall not be chosen by the rounding of coordinates.
+    lengths = np.maximum(np.round(lengths / (TIE * lengths.mean())), 1.0)
     graph = sparse.csr_matrix((lengths, (field.edges[:, 0], field.edges[:, 1])), shape=(n, n))
     loops = sorted(boundary_loops(faces), key=lambda loop: -float(np.linalg.norm(np.diff(vertices[loop], axis=0), axis=1).sum()))
     joined = set(loops[0].tolist())
@@ -163,6 +169,8 @@ def _cut_open(faces: Faces, field: CrossField, cut: Mask) -> _Cut:
     for (left, right), angle in zip(field.edges[:, 2:].tolist(), field.turns.tolist()):
         turn[left, right], turn[right, left] = angle, -angle
     angles = field.angles.copy()
+    # Symmetric crosses lie at 0 and half of a quarter, where rounding would choose among their directions.
+    angles[0] = (angles[0] + ASKEW) % QUARTER - ASKEW
     for face in order[1:].tolist():
         aim = angles[before[face]] + turn[int(before[face]), face]
         angles[face] += QUARTER * np.round((aim - angles[face]) / QUARTER)
@@ -266,4 +274,18 @@ def _minimum(quadratic: sparse.csr_matrix, linear: FloatArray, rows: list[sparse
     # The slack against dependent equations is removed by one more step.
     missed = values - fixed @ found[: len(linear)]
     found = found + solver.solve(np.r_[np.zeros(len(linear)), missed])
-    return found[: len(linear)]
+    return _centred(found[: len(linear)], fixed)
+
+
+def _centred(uv: FloatArray, fixed: sparse.csr_matrix) -> FloatArray:
+    """Return coordinates (2n,) with the mean 0 of each one that can be shifted without changing products with rows (k, 2n).
+
+    Beside the slack the ridge hardly determines it.
+    """
+    pair = uv.reshape(2, -1).copy()
+    for axis, own in enumerate(pair):
+        shift = np.zeros_like(pair)
+        shift[axis] = 1.0
+        if not np.abs(fixed @ shift.ravel()).any():
+            own -= own.mean()
+    return pair.ravel()

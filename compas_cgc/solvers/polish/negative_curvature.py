@@ -44,21 +44,21 @@ def negative_curvature(
     Returns
     -------
     tuple or None
-        Direction (s,) with a largest move of 1, and its second derivative.
+        Direction (s,) whose largest move or angle is 1, and its second derivative.
 
     References
     ----------
     Nocedal and Wright, *Numerical Optimization*, section 3.4, doi:10.1007/978-0-387-40065-5.
     """
-    moves = len(places)
     load, curvature = np.zeros(hessian.shape[0]), np.inf
-    load[:moves] = np.cos(places @ WAVES + 1.0)
+    load[: len(places)] = np.cos(places @ WAVES + 1.0)
     for _ in range(ROUNDS):
         direction = responses(load)
-        direction /= float(np.abs(direction[:moves]).max())
-        before, curvature = curvature, float(direction @ (hessian @ direction))
-        if not np.isfinite(curvature):
+        largest = float(np.abs(direction).max())
+        if not np.isfinite(largest) or largest == 0.0:
             return None
+        direction /= largest
+        before, curvature = curvature, float(direction @ (hessian @ direction))
         if curvature < 0.0 and abs(curvature - before) <= STEADY * abs(curvature):
             break
         load = added @ direction

@@ -217,7 +217,7 @@ def _with_less_energy(
     found = negative_curvature(responses, hessian, added, points[: lagrangian.moves] / size)
     if found is None:
         return None
-    longest = LONGEST * size
+    longest = CLOSE * size
     step, curvature = longest * found[0][: lagrangian.size], longest**2 * found[1]
     slope = float(np.einsum("i,i", model.gradient, step)) - float(weights @ here.missed)
     return _search(lagrangian, saddle, here, active, step, slope, weights, size, curvature)
