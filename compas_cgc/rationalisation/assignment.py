@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Iterator
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,6 +17,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from .clusters import clusterings
+from .clusters import clusterings_by_signs
 from .clusters import nearest_values
 from .clusters import signed_root
 from .costs import Allowance
@@ -300,13 +302,27 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
     nearest = _nearest(sensitivities, moves.mass * moves.importance[moves.columns] ** 2)
     given = [own for sample in (design, nearest) for own in _given(moves, moulds, sample)]
     starts = max(1, min(STARTS, EFFORT // moves.panels))
+    chosen = _most_promising(moves, sensitivities, given, starts)
+    # Clusters of K may leave out the panels of one sign, if they are few or nearly flat.
+    if moulds.values is None and _has_both_signs(design) and not any(_has_both_signs(own.assigned.K) for own in chosen):
+        others = [own for sample in (design, nearest) for own in _by_signs(moves, moulds, sample) if _has_both_signs(own.K)]
+        chosen += _most_promising(moves, sensitivities, others, 1)
+    return [evened(moves, placed) for placed in chosen]
+
+
+def _most_promising(moves: NormalMoves, sensitivities: Sensitivities, given: Sequence[Assignment], count: int) -> list[Placed]:
+    """Return the nearest of the surfaces, solved, that the linear model predicts nearest to the design."""
     promising: list[Placed] = []
     for placed in sorted((_fitted(moves, sensitivities, own) for own in given), key=lambda placed: placed.norm):
         # Clusterings of many panels often end in the same classes.
-        if len(promising) < SOLVED * starts and all(_moved(placed.assigned, other.assigned) > SAME * moves.panels for other in promising):
+        if len(promising) < SOLVED * count and all(_moved(placed.assigned, other.assigned) > SAME * moves.panels for other in promising):
             promising.append(placed)
     solved = [_placed(moves, placed.assigned, placed.moves) for placed in promising]
-    return [evened(moves, placed) for placed in sorted(solved, key=lambda placed: placed.norm)[:starts]]
+    return sorted(solved, key=lambda placed: placed.norm)[:count]
+
+
+def _has_both_signs(K: FloatArray) -> bool:
+    return bool((K > 0.0).any() and (K < 0.0).any())
 
 
 def _given(moves: NormalMoves, moulds: Moulds, sample: FloatArray) -> list[Assignment]:
@@ -320,15 +336,28 @@ def _given(moves: NormalMoves, moulds: Moulds, sample: FloatArray) -> list[Assig
         return [Assignment(sample, np.arange(moves.panels), np.zeros(moves.panels, bool), locked)]
     if moulds.number == 1 and moulds.flat is not False:
         return [Assignment(np.zeros(1), np.zeros(moves.panels, np.int64), np.ones(1, bool), locked)]
-    found = _clustered(sample, moves.panel_areas(), moulds)
+    return _clustered(moves, moulds, sample, clusterings)
+
+
+def _by_signs(moves: NormalMoves, moulds: Moulds, sample: FloatArray) -> list[Assignment]:
+    """Return the assignments with every number of negative and positive moulds by the K of a sample (p,), none if moulds exist."""
+    if moulds.values is not None or moulds.number >= moves.panels or moulds.number == 1:
+        return []
+    return _clustered(moves, moulds, sample, clusterings_by_signs)
+
+
+def _clustered(
+    moves: NormalMoves,
+    moulds: Moulds,
+    sample: FloatArray,
+    clustered: Callable[[list[FloatArray], FloatArray, int, Optional[bool]], Iterator[tuple[FloatArray, Mask]]],
+) -> list[Assignment]:
+    """Return assignments by clusters of K (p,) and of its roots."""
+    locked, areas = np.zeros(moves.panels, bool), moves.panel_areas()
+    found = list(clustered([sample], areas, moulds.number, moulds.flat))
+    by_roots = clustered([signed_root(sample)], areas, moulds.number, moulds.flat)
+    found += [(values * np.abs(values), kept) for values, kept in by_roots]
     return [Assignment(values, nearest_values(sample, values), kept, locked) for values, kept in found]
-
-
-def _clustered(sample: FloatArray, areas: FloatArray, moulds: Moulds) -> Iterator[tuple[FloatArray, Mask]]:
-    """Yield values of K (moulds,), with masks of those that are to stay, by clusters of K (p,) and of its roots."""
-    yield from clusterings([sample], areas, moulds.number, moulds.flat)
-    for values, kept in clusterings([signed_root(sample)], areas, moulds.number, moulds.flat):
-        yield values * np.abs(values), kept
 
 
 def _moved(one: Assignment, other: Assignment) -> int:

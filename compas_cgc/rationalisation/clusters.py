@@ -11,7 +11,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 
-__all__ = ["clusterings", "nearest_values", "signed_root"]
+__all__ = ["clusterings", "clusterings_by_signs", "nearest_values", "signed_root"]
 
 MAX_ROUNDS = 50  # of k-means
 
@@ -38,6 +38,23 @@ def clusterings(samples: list[FloatArray], weights: FloatArray, moulds: int, fla
             even = np.linspace(sample.min(), sample.max(), 2 * moulds + 1)[1::2]
             for first in (quantiles, even):
                 yield _clustered(sample, weights, first.copy(), centred)
+
+
+def clusterings_by_signs(
+    samples: list[FloatArray], weights: FloatArray, moulds: int, flat: Optional[bool]
+) -> Iterator[tuple[FloatArray, Mask]]:
+    """Yield values as :func:`clusterings` does, from every number of quantiles of the negative part and the rest of the positive part."""
+    for sample in samples:
+        below, above = sample < 0.0, sample > 0.0
+        for centred in (True, False) if flat is None else (flat,):
+            curved = moulds - centred
+            for negative in range(curved + 1):
+                parts = [(below, negative), (above, curved - negative)]
+                if all(side.any() or not count for side, count in parts):
+                    firsts = [
+                        _weighted_quantiles(sample[side], weights[side], (np.arange(count) + 0.5) / count) for side, count in parts if count
+                    ]
+                    yield _clustered(sample, weights, np.concatenate([*firsts, np.zeros(int(centred))]), centred)
 
 
 def signed_root(K: FloatArray) -> FloatArray:
