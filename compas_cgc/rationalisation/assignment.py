@@ -6,6 +6,7 @@ from collections.abc import Callable
 from collections.abc import Iterator
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
@@ -25,6 +26,7 @@ from .linear_search import POWER
 from .linear_search import Assignment
 from .linear_search import best_values
 from .linear_search import distance_norm
+from .linear_search import estimates
 from .linear_search import promising_panels
 from .linear_search import search
 from .normal_moves import NormalMoves
@@ -46,6 +48,8 @@ ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
 EVENING, LEAST_GAIN = 10, 0.005  # rounds of weights at most, and the part of the norm below which a round is the last
+FEW_MOVES = 40  # of one panel or two that are tried in the end, each with its solved surface
+EVENED_EXCESS = 1.25  # of the allowed distance, above which evening does not bring a surface within it
 LAST_POWERS = (16, 32, 64, 128)  # of the norms that are reduced in the end, towards the largest distance
 LEAST = 1e-3  # weight of no distance against that of the largest
 SHORTEST_EVENING = 1.0 / 32.0  # part of a step of a round, below which it ends
@@ -74,7 +78,7 @@ class Moulds(NamedTuple):
     locked: Optional[IntArray] = None  # (p,) mould of panels that are locked, -1 elsewhere; needs values
 
 
-def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Shown] = None) -> Placed:
+def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Shown] = None, few_moves: bool = True) -> Placed:
     """Return the best assignment found of panels to moulds, with its surface.
 
     From the best of several clusterings, rounds of: linearise the surface in the K of every panel, move a few panels to other moulds
@@ -93,6 +97,10 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Shown] = None) ->
             best = racer.here if racer.here.norm < best.norm else best
             done += 1
         racers = [racer for racer in racers if racer.trust and (racer.promise < ENOUGH * best.norm or (racer.gains and racer.here is best))]
+    if few_moves:
+        best = _by_few_moves(moves, best, lambda own: own.norm, lambda: watch is not None and watch(done, total, best.distance))
+    if watch is not None and watch(done, total, best.distance):
+        return best
     best = evened(moves, best, LAST_POWERS)
     if watch is not None:
         watch(total, total, best.distance)
@@ -107,6 +115,9 @@ def cheapened(moves: NormalMoves, placed: Placed, allowance: Allowance, watch: S
     """
     exceeded, _, _ = rank(moves, allowance, placed)
     if exceeded:
+        placed = _by_few_moves(moves, placed, lambda own: rank(moves, allowance, own), lambda: watch(0, 3, placed.distance), allowance)
+        exceeded, _, _ = rank(moves, allowance, placed)
+    if exceeded:
         return placed
     here = _fewer_moulds(moves, placed, allowance, part_of(watch, 0, 3))
     here = _cheaper_panels(moves, here, allowance, part_of(watch, 1, 3))
@@ -120,7 +131,61 @@ def _cheaper_panels(moves: NormalMoves, here: Placed, allowance: Allowance, watc
         there, changed, _ = _improved(moves, here, trust, allowance)
         here, trust = (there, trust) if rank(moves, allowance, there) < rank(moves, allowance, here) else (here, changed // 3)
         done += 1
+    return _by_few_moves(moves, here, lambda own: rank(moves, allowance, own), lambda: watch(done, done + ROUNDS, here.distance), allowance)
+
+
+def _by_few_moves(
+    moves: NormalMoves, here: Placed, key: Callable[[Placed], Any], stopped: Callable[[], bool], allowance: Optional[Allowance] = None
+) -> Placed:
+    """Move one panel to another mould or exchange the moulds of two, the most promising first, while the solved surface is better by a key.
+
+    The linear model that chooses the panels of a round is coarse, so that its best move may fail where others succeed.
+    """
+    tried, most = 0, min(FEW_MOVES, EFFORT // moves.panels)
+    while tried < most:
+        own, stressing = here.assigned, _stressing(moves, here.moves, POWER)
+        for classes in _neighbours(moves, here, stressing, allowance):
+            if tried == most or stopped():
+                return here
+            tried += 1
+            there = evened(moves, _placed(stressing, replace(own, classes=classes), here.moves))
+            if allowance is not None and allowance.excess(moves.criteria(there.moves)) <= EVENED_EXCESS:
+                there = evened(moves, there, LAST_POWERS)
+            if key(there) < key(here):
+                here = there
+                break
+        else:
+            break
     return here
+
+
+def _neighbours(moves: NormalMoves, here: Placed, stressing: NormalMoves, allowance: Optional[Allowance]) -> Iterator[IntArray]:
+    """Yield classes (p,) after moving one panel or exchanging two, in ascending order of their estimates.
+
+    With an allowance that is kept, panels move to cheaper moulds first, in the order of their estimates per saving.
+    """
+    own = here.assigned
+    estimate = estimates(stressing.sensitivities(here.moves, here.assigned.K), moves, own)
+    possible = (own.values[None, :] != own.K[:, None]) & ~own.locked[:, None]
+    one, other = np.triu_indices(moves.panels, 1)
+    exchanged = (own.classes[one] != own.classes[other]) & ~own.locked[one] & ~own.locked[other]
+    one, other = one[exchanged], other[exchanged]
+    panel, mould = np.nonzero(possible)
+    singles, pairs = estimate[panel, mould], estimate[one, own.classes[other]] + estimate[other, own.classes[one]]
+    if allowance is not None and allowance.keeps(moves.criteria(here.moves)):
+        saved = allowance.savings(own.values, own.classes)[panel, mould]
+        panel, mould, singles = panel[saved > 0.0], mould[saved > 0.0], singles[saved > 0.0] / saved[saved > 0.0]
+        order = np.concatenate([np.argsort(singles, kind="stable"), len(panel) + np.argsort(pairs, kind="stable")])
+    else:
+        order = np.argsort(np.concatenate([singles, pairs]), kind="stable")
+    for k in order.tolist():
+        classes = own.classes.copy()
+        if k < len(panel):
+            classes[panel[k]] = mould[k]
+        else:
+            pair = [one[k - len(panel)], other[k - len(panel)]]
+            classes[pair] = classes[pair[::-1]]
+        yield classes
 
 
 def _fewer_moulds(moves: NormalMoves, here: Placed, allowance: Allowance, watch: Shown) -> Placed:

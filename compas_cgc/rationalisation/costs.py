@@ -49,6 +49,12 @@ class Allowance(NamedTuple):
         """Return whether criteria (d,), or each of several (r, d), stay within the limits."""
         return np.asarray((np.abs(criteria[..., : len(self.limits)]) <= self.limits).all(axis=-1))
 
+    def excess(self, criteria: FloatArray) -> float:
+        """Return the largest ratio of criteria (d,) to the limits."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.abs(criteria[: len(self.limits)]) / self.limits
+        return float(np.where(self.limits > 0.0, ratios, np.inf).max(initial=0.0))
+
     def total(self, K: FloatArray, classes: IntArray) -> float:
         """Return the costs of moulds with K (k,) and of the panels, for the mould of every panel (p,)."""
         if self.costs is None:

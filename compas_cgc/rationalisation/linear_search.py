@@ -16,7 +16,7 @@ from .normal_moves import LinearMoves
 from .normal_moves import NormalMoves
 from .normal_moves import Sensitivities
 
-__all__ = ["Assignment", "best_values", "distance_norm", "promising_panels", "search"]
+__all__ = ["Assignment", "best_values", "distance_norm", "estimates", "promising_panels", "search"]
 
 POWER = 8  # of the norm, a power of two: near the largest distance, and smooth
 CANDIDATES = 40  # single moves of panels that are evaluated, the best by their second-order estimates
@@ -100,6 +100,19 @@ def promising_panels(
     """Return at most `most` panels whose move to another mould promises the largest decrease of the distance.
 
     With an allowance that is kept, these are the panels with the least increase of the distance per saving.
+    """
+    panels = len(assigned.classes)
+    if panels <= most:
+        return np.arange(panels)
+    estimate = estimates(sensitivities, over, assigned)
+    if allowance is not None and allowance.keeps(over.criteria(sensitivities.moves)):
+        savings = allowance.savings(assigned.values, assigned.classes)
+        estimate = np.divide(estimate, savings, out=np.full(estimate.shape, np.inf), where=savings > 0.0)
+    return np.sort(np.argsort(estimate.min(axis=1), kind="stable")[:most])
+
+
+def estimates(sensitivities: Sensitivities, over: NormalMoves, assigned: Assignment) -> FloatArray:
+    """Return estimates (p, k) of the change of the norm's power by moving each panel to each mould, 0 for its own and locked ones.
 
     Slopes come from one adjoint substitution, curvatures of the norm from a few with random signs.
 
@@ -107,9 +120,6 @@ def promising_panels(
     ----------
     Bekas, Kokiopoulou, Saad, *An estimator for the diagonal of a matrix*, 2007, doi:10.1016/j.apnum.2007.01.003.
     """
-    panels = len(assigned.classes)
-    if panels <= most:
-        return np.arange(panels)
     own = over.criteria(sensitivities.moves)
     weight = over.criteria_mass * (np.abs(own) / np.abs(own).max(initial=1e-300)) ** (POWER - 2)
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(own), PROBES))
@@ -118,11 +128,7 @@ def promising_panels(
     slope, second = derivatives[:, 0], (POWER - 1) * (derivatives[:, 1:] ** 2).mean(axis=1)
     changes = assigned.values[None, :] - assigned.K[:, None]
     changes[assigned.locked] = 0.0
-    estimate = slope[:, None] * changes + 0.5 * second[:, None] * changes**2
-    if allowance is not None and allowance.keeps(own):
-        savings = allowance.savings(assigned.values, assigned.classes)
-        estimate = np.divide(estimate, savings, out=np.full(changes.shape, np.inf), where=savings > 0.0)
-    return np.sort(np.argsort(estimate.min(axis=1), kind="stable")[:most])
+    return np.asarray(slope[:, None] * changes + 0.5 * second[:, None] * changes**2)
 
 
 def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: int, allowance: Optional[Allowance] = None) -> Assignment:

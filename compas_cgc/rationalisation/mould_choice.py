@@ -61,7 +61,7 @@ def _found(moves: NormalMoves, own: Moulds, allowance: Optional[Allowance], watc
     """Return the nearest assignment to some moulds or, with costs, a cheaper one within the allowed distance."""
     if allowance is None or allowance.costs is None:
         return assign(moves, own, watch)
-    return cheapened(moves, assign(moves, own, part_of(watch, 0, 2)), allowance, part_of(watch, 1, 2))
+    return cheapened(moves, assign(moves, own, part_of(watch, 0, 2), few_moves=False), allowance, part_of(watch, 1, 2))
 
 
 def _tried(moves: NormalMoves, wanted: Wanted) -> Iterator[Moulds]:
