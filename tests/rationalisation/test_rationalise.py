@@ -106,6 +106,12 @@ def test_nearly_flat_hollows_get_a_mould_beside_a_hill():
     assert own.panelling.panel_count == 160 and own.curvatures[0] < -3e-4 and own.distance.largest < 0.03
 
 
+def test_a_flat_mould_leaves_one_for_hollows_and_one_for_hills():
+    """Clusters with one value at 0 have two positive ones and are 48 mm away."""
+    own = compas_cgc.rationalise(read_design(mesh_over(bumpy("soft", 705))), panel=2.5, moulds=3, flat=True)
+    assert np.sign(own.curvatures).tolist() == [-1.0, 0.0, 1.0] and own.distance.largest < 0.035
+
+
 def test_the_distance_is_that_from_the_true_surface_by_another_search():
     own = found()
     x, y = np.meshgrid(np.linspace(0, 12, 2401), np.linspace(0, 8, 1601), indexing="ij")
