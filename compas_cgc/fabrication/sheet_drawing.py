@@ -164,8 +164,8 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         if nodes and piece.sheet in origins:
             numbers = [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height)]
             # Nodes give way to all other texts.
-            free = [own for own in numbers if not any(overlap(text_box(own.text, own.place, own.height), box) for box in taken[number])]
-            texts += [own._replace(place=own.place + origins[piece.sheet]) for own in free]
+            clear = [own for own in numbers if not any(overlap(text_box(own.text, own.place, own.height), box) for box in taken[number])]
+            texts += [own._replace(place=own.place + origins[piece.sheet]) for own in clear]
     size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
     units = patterns.problem.drawing.units
     words = (*key_of(patterns.problem).words, "the plan of the pieces shows where each piece lies on the roof, and north")
