@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import dblquad
+from scipy.interpolate import make_interp_spline
 
 import compas_cgc
 from compas_cgc import CGCProblem
@@ -17,6 +18,7 @@ from compas_cgc.discrete import face_areas
 from compas_cgc.errors import MeshError
 from compas_cgc.fabrication.bending import mesh_dependent
 from compas_cgc.fabrication.shell import fit as shell_fit
+from compas_cgc.fabrication.shell.edges import loops_of
 from compas_cgc.fabrication.shell.edges import region_edges
 from compas_cgc.fabrication.shell.heights import HeightSpace
 from compas_cgc.fabrication.shell.patches import region_patches
@@ -115,6 +117,67 @@ def test_surfaces_meet_and_have_their_curvature(facade):
     assert fit.gap < 1e-5 and fit.distance < 5e-4 * fit.scale
     half, most, _ = fit.percentiles()
     assert half < 0.002 and most < 0.02
+
+
+def edge_integral(piece, loop):
+    """Return the area of the graph of heights inside a loop of points (k, 2) of its plane, by Green's theorem."""
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    places = np.arange(len(loop) + 1)
+    spline = make_interp_spline(places, np.vstack([loop, loop[:1]]), k=1)
+    at = (places[:-1, None] + 0.5 * (nodes + 1.0)).ravel()
+    xy, rise = spline(at), spline(at, 1)[:, 1] * np.tile(0.5 * weights, len(loop))
+    total, spans = 0.0, np.unique(piece.space.knots[0])
+    for start, end in zip(spans[:-1], spans[1:]):
+        length = np.maximum(np.minimum(end, xy[:, 0]) - start, 0.0)
+        for node, weight in zip(nodes, weights):
+            points = np.column_stack([start + 0.5 * length * (node + 1.0), xy[:, 1]])
+            p, q = (piece.space.basis(points, order) @ piece.coefficients for order in ((1, 0), (0, 1)))
+            total += (0.5 * length * weight * np.sqrt(1.0 + p * p + q * q)) @ rise
+    return abs(total)
+
+
+def area_between_edges(fit, finer=8):
+    """Return the area of all surfaces of a fit between their edges, of regions with one loop of edges, in its frame."""
+    total = 0.0
+    for number, piece in enumerate(fit.pieces):
+        (loop,) = loops_of(fit.edges, [k for k, edge in enumerate(fit.edges) if number in edge.regions])
+        here, points = fit.edges[loop[0]].path[0], []
+        for k in loop:
+            path, curve = fit.edges[k].path, fit.curves[k]
+            if path[0] != here:
+                path, curve = path[::-1], curve[::-1]
+            here = path[-1]
+            fine = np.linspace(0.0, len(curve) - 1.0, finer * (len(curve) - 1) + 1)[:-1]
+            points.append(piece.local(make_interp_spline(np.arange(len(curve)), curve, k=3)(fine))[:, :2])
+        total += edge_integral(piece, np.concatenate(points))
+    return total
+
+
+@pytest.mark.parametrize("name", ["nine_regions.3dm", "curved_crease.3dm", "canopy.3dm", "cushion.3dm", "vault.3dm"])
+def test_surfaces_of_samples_have_their_curvature_and_their_area_is_read_back(name, tmp_path):
+    drawn = compas_cgc.read(compas_cgc.get(name)).to_problem()
+    problem = compas_cgc.solve(drawn.with_targets(0.005) if name == "curved_crease.3dm" else drawn).problem
+    fit = region_surfaces(problem)
+    assert fit.percentiles()[1] <= 0.02 and fit.distance <= fit.reach and fit.gap < 1e-5
+    (tmp_path / "roof.step").write_bytes(step_bytes(problem)[0])
+    shell = shell_of(tmp_path / "roof.step")
+    rim = [edge for edge in fit.edges if len(edge.regions) == 1]
+    assert occt.is_valid(shell) and len(occt.shape_explore(shell, SHELL)) == 1 and len(free_edges(shell)) == len(rim)
+    assert occt.area(shell) == pytest.approx(1e6 * fit.scale**2 * area_between_edges(fit), rel=1e-4)
+
+
+def test_all_edges_that_meet_at_a_vertex_end_at_one_point():
+    """Around crossings of creases the planes of four regions differ, and so do the directions of their heights."""
+    problem = compas_cgc.solve(compas_cgc.read(compas_cgc.get("nine_regions.3dm"))).problem
+    fit = shell_fit.fitted(problem, *TRIALS[0])
+    assert fit.distance > 1e-3
+    ends: dict[int, list] = {}
+    for edge, curve in zip(fit.edges, fit.curves):
+        for vertex, point in zip(edge.path[[0, -1]].tolist(), curve[[0, -1]]):
+            ends.setdefault(vertex, []).append(fit.scale * point)
+    crossings = [points for points in ends.values() if len(points) == 4]
+    assert len(crossings) == 4
+    assert max(np.linalg.norm(np.ptp(points, axis=0)) for points in ends.values()) <= fit.gap < 1e-5
 
 
 def test_edges_of_surfaces_are_the_curves_through_the_vertices(facade):

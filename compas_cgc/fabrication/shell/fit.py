@@ -69,9 +69,9 @@ LOOSE = (
     *((16.0, np.inf, 1e-1),) * 2,
     (8.0, np.inf, 3e-2),
     (4.0, np.inf, 1e-2),
-    *((2.0, np.inf, 1e-3),) * 6,
-    *((2.0, 100.0, 1e-4),) * 4,
-    *((2.0, 100.0, 3e-5),) * 3,
+    *((4.0, np.inf, 1e-3),) * 6,
+    *((4.0, 100.0, 1e-4),) * 4,
+    *((4.0, 100.0, 3e-5),) * 3,
 )
 Stages = tuple[tuple[float, float, float], ...]
 MEASURED_GAP = 1e-3  # relative gap of the stages whose surfaces are candidates
@@ -85,7 +85,7 @@ AWAY = 2.0  # distance from singular vertices, in mesh edges, beyond which the e
 AWAY_FROM = "away from supports and singular edges"  # in words
 DAMPING = 1e-6  # relative to the mean of the diagonal
 SAMPLES_PER_EDGE = 4  # points of a shared edge per mesh edge
-FACE_POINTS = (np.array([[2, 0, 0], [1, 1, 0], [1, 0, 1], [0, 2, 0], [0, 1, 1], [0, 0, 2]]) + 1 / 3) / 3.0  # barycentric
+MARGIN = 2.5  # distance from singular vertices, in mesh edges, up to which the weight of K is reduced
 
 
 class Piece(NamedTuple):
@@ -141,7 +141,7 @@ class Fit(NamedTuple):
     scale: float  # size of the surface [L]
     edges: list[RegionEdge]
     curves: list[FloatArray]  # (k, 3) points of every edge on its first surface, in the frame
-    gap: float  # largest distance of the second surface from the points of a shared edge [L]
+    gap: float  # largest distance of the second surface from the points of a shared edge, and of the ends of edges at a vertex [L]
     kinks: FloatArray  # (n,) angles between the normals at the points of shared edges that are meant to be smooth [deg]
     kink_edges: IntArray  # (n,) edge of each of these points
     kink_points: FloatArray  # (n, 3) the points, in the frame
@@ -166,10 +166,10 @@ class Fit(NamedTuple):
         """Tolerance of the distance of vertices and edges [L], larger for coarse meshes, which are inaccurate themselves."""
         return max(MAX_DISTANCE * self.scale, min(self.sagitta, COARSE_DISTANCE * self.scale))
 
-    def rank(self) -> tuple[float, bool, float, float]:
+    def rank(self) -> tuple[float, float, bool, float]:
         """Return a key that is smallest for the best of several fits: its tolerances first, then its error of K down to the aim."""
         far = self.distance > MAX_DISTANCE * self.scale
-        return max(self.shortfall(), 1.0), far, max(float(self.percentiles()[1]), AIM), self.shortfall()
+        return max(self.shortfall(), 1.0), max(float(self.percentiles()[1]), AIM), far, self.shortfall()
 
     def shortfall(self) -> float:
         """Return the largest of distance, gap, kink and error of K (95th percentiles), each relative to its tolerance."""
@@ -206,7 +206,7 @@ class Fit(NamedTuple):
         return AccuracyNote(before + self.accuracy(errors, factor, unit) + after, figures)
 
 
-def fitted(problem: CGCProblem, cell: float, margin: float, stages: Stages) -> Fit:
+def fitted(problem: CGCProblem, cell: float, rows: int, stages: Stages) -> Fit:
     """Return smooth surfaces near all regions of a solved mesh, with shared edges.
 
     Parameters
@@ -215,8 +215,8 @@ def fitted(problem: CGCProblem, cell: float, margin: float, stages: Stages) -> F
         The solved problem.
     cell
         Length of the spans of the splines relative to the mean edge length.
-    margin
-        Distance from singular vertices, in mesh edges, up to which the weight of K is reduced.
+    rows
+        Rows of points in every face at which K is prescribed; splines with few points per span have another K between them.
     stages
         Weights of the Gauss-Newton steps.
 
@@ -225,7 +225,7 @@ def fitted(problem: CGCProblem, cell: float, margin: float, stages: Stages) -> F
     MeshError
         If a region is not a graph over a plane.
     """
-    return _System(problem, cell, margin).solved(stages)
+    return _System(problem, cell, rows).solved(stages)
 
 
 class _Region(NamedTuple):
@@ -238,7 +238,7 @@ class _Region(NamedTuple):
 class _System:
     """The equations of a fit."""
 
-    def __init__(self, problem: CGCProblem, cell: float, margin: float):
+    def __init__(self, problem: CGCProblem, cell: float, rows: int):
         V, F = problem.vertices, problem.faces
         self.problem, self.label = problem, problem.regions()
         self.centre, self.scale = V.mean(axis=0), float(np.linalg.norm(np.ptp(V, axis=0)))
@@ -250,9 +250,9 @@ class _System:
         self.lines = [samples(self.V[edge.path]) for edge in self.edges]
         self.regions = self._regions(cell)
         self.size = sum(region.splines.space.size for region in self.regions)
-        self.joints = Joints([region.splines for region in self.regions], self.edges, self.lines, self.size)
+        self.joints = Joints([region.splines for region in self.regions], self.edges, self.lines, self._directions(), self.size)
         self._tether()
-        self._curvature(max(margin * self.edge, SINGULAR_LENGTH))
+        self._curvature(_face_points(rows), max(MARGIN * self.edge, SINGULAR_LENGTH))
         self._centres()
         rough = sparse.vstack(self._stack(lambda region: region.splines.space.roughness())).tocsr()
         self.rough = rough.T @ rough
@@ -270,11 +270,25 @@ class _System:
                 [plan[np.unique(faces)]] + [line @ axes.T for e, line in zip(self.edges, self.lines) if number in e.regions]
             )
             # Edges move within the tolerance of the distance, and stay inside the rectangle.
-            low, high = own[:, :2].min(axis=0) - MAX_DISTANCE, own[:, :2].max(axis=0) + MAX_DISTANCE
+            low, high = own[:, :2].min(axis=0) - COARSE_DISTANCE, own[:, :2].max(axis=0) + COARSE_DISTANCE
             space = HeightSpace.over(low, high, cell * self.edge)
             regions.append(_Region(np.unique(faces), faces, plan, Region(axes, space, start)))
             start += space.size
         return regions
+
+    def _directions(self) -> list[FloatArray]:
+        """Return the directions in which points of edges are moved onto the surfaces (n, 3): at ends, the mean of those of all regions."""
+        ends: dict[int, set[int]] = {}
+        for edge in self.edges:
+            for vertex in edge.path[[0, -1]].tolist():
+                ends.setdefault(vertex, set()).update(edge.regions)
+        means = {vertex: np.mean([self.regions[k].splines.axes[2] for k in own], axis=0) for vertex, own in ends.items()}
+        found = []
+        for edge, line in zip(self.edges, self.lines):
+            first, last = (means[vertex] for vertex in edge.path[[0, -1]].tolist())
+            along = first + np.linspace(0.0, 1.0, len(line))[:, None] * (last - first)
+            found.append(along / np.linalg.norm(along, axis=1, keepdims=True))
+        return found
 
     def _why_no_graph(self, faces: Faces, normals: FloatArray, number: int) -> str:
         """Return the reason why a region with face normals (k, 3) is not a graph over a plane, and the remedy."""
@@ -308,14 +322,14 @@ class _System:
         rows = [own.splines.placed(own.splines.space.basis(xy, order), self.size) for own, xy in zip(self.regions, plans)]
         return sparse.vstack(rows).tocsr()
 
-    def _curvature(self, margin: float) -> None:
-        """Prepare K at points of all faces, whose basis functions and derivatives have one sparsity."""
+    def _curvature(self, inside: FloatArray, margin: float) -> None:
+        """Prepare K at points (p, 3) of all faces, in barycentric coordinates; basis functions and derivatives have one sparsity."""
         targets = [np.nan if K is None else K * self.scale**2 for K in self.problem.region_targets()]
         floors = [reference(K, own.plan[own.used], 1.0) for own, K in zip(self.regions, targets)]
-        places = [np.einsum("pc,fcx->fpx", FACE_POINTS, own.plan[own.faces][:, :, :2]).reshape(-1, 2) for own in self.regions]
+        places = [np.einsum("pc,fcx->fpx", inside, own.plan[own.faces][:, :, :2]).reshape(-1, 2) for own in self.regions]
         self.parts = [self._basis(places, order) for order in SECOND_ORDERS]
         self.target, self.reference = (np.repeat(own, [len(xy) for xy in places]) for own in (targets, floors))
-        points = np.concatenate([np.einsum("pc,fcx->fpx", FACE_POINTS, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
+        points = np.concatenate([np.einsum("pc,fcx->fpx", inside, self.V[own.faces]).reshape(-1, 3) for own in self.regions])
         weight = np.minimum(1.0, distances(points, self.singular) / margin) ** MARGIN_POWER
         around: dict[int, set[int]] = {}
         for edge in self.edges:
@@ -337,7 +351,7 @@ class _System:
 
     def errors(self, x: FloatArray) -> FloatArray:
         """Return the error of K at the face centres (m,) relative to its target."""
-        points = len(FACE_POINTS)
+        points = len(self.target) // len(self.label)
         K, errors = curvature(*(part @ x for part in self.bends)).K, np.empty(len(self.label))
         errors[self.order] = np.abs(K - self.target[::points]) / self.reference[::points]
         return errors
@@ -403,12 +417,27 @@ class _System:
         distance = float(np.abs((self.heights - heights) * _uprightness(self.slopes, x)).max())
         sags = np.abs((heights[self.corners].mean(axis=1) - self.middle @ x) * _uprightness(self.bends[:2], x))
         sagitta = float(sags[distant[self.order]].max(initial=0.0))
-        gap = size * float(np.abs(joined.gaps).max(initial=0.0))
+        gap = size * max(float(np.abs(joined.gaps).max(initial=0.0)), _ends_apart(self.edges, joined.curves))
         kinks = np.degrees(np.arcsin(np.minimum(joined.sines[self.smooth], 1.0)))
         smooth = joined.edges[self.smooth], np.concatenate(joined.curves)[self.joints.shared][self.smooth]
         away, distance, sagitta = np.flatnonzero(distant), size * distance, size * sagitta
         frame = self.centre, size
         return Fit(pieces, *frame, self.edges, joined.curves, gap, kinks, *smooth, distance, sagitta, self.errors(x), self.singular, away)
+
+
+def _face_points(rows: int) -> FloatArray:
+    """Return the barycentric coordinates (p, 3) of points in some rows over a face."""
+    whole = np.array([[i, j, rows - 1 - i - j] for i in range(rows) for j in range(rows - i)])
+    return (whole + 1 / 3) / rows
+
+
+def _ends_apart(edges: list[RegionEdge], curves: list[FloatArray]) -> float:
+    """Return the largest distance of the ends of edges that meet at a vertex."""
+    ends: dict[int, list[FloatArray]] = {}
+    for edge, curve in zip(edges, curves):
+        for vertex, point in zip(edge.path[[0, -1]].tolist(), curve[[0, -1]]):
+            ends.setdefault(vertex, []).append(point)
+    return max(float(np.linalg.norm(np.ptp(points, axis=0))) for points in ends.values())
 
 
 def _uprightness(slopes: list[sparse.csr_matrix], x: FloatArray) -> FloatArray:

@@ -74,7 +74,9 @@ def _window(knots: FloatArray, x: FloatArray, order: int) -> tuple[FloatArray, I
             rising, falling = degree * share, -degree * share
         else:
             rising, falling = (inside[:, None] - low) * share, (high - inside[:, None]) * share
-        values = np.pad(rising, ((0, 0), (1, 0))) + np.pad(falling, ((0, 0), (0, 1)))
+        values = np.zeros((len(x), degree + 1))
+        values[:, 1:] = rising
+        values[:, :-1] += falling
     return values, span + np.arange(-DEGREE, 1)
 
 

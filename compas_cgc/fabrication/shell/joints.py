@@ -16,6 +16,7 @@ from .heights import HeightSpace
 __all__ = ["Joined", "Joints", "Region"]
 
 FIRST_ORDERS = ((1, 0), (0, 1))
+PROJECTIONS = 2  # steps by which a point of an edge is moved onto its first surface
 
 
 class Region(NamedTuple):
@@ -56,6 +57,9 @@ class _Side(NamedTuple):
 class Joints:
     """Points along the edges of regions; those of shared edges are compared on both surfaces.
 
+    A point is where its first surface meets a line along a given direction. All edges that end at a vertex have the same direction there,
+    so that they end at the same point.
+
     Parameters
     ----------
     regions
@@ -64,21 +68,21 @@ class Joints:
         Their edges.
     lines
         ``(n, 3)`` points of every edge.
+    directions
+        ``(n, 3)`` unit vectors at these points, for every edge.
     size
         Number of coefficients of all regions.
     """
 
-    def __init__(self, regions: list[Region], edges: list[RegionEdge], lines: list[FloatArray], size: int):
+    def __init__(self, regions: list[Region], edges: list[RegionEdge], lines: list[FloatArray], directions: list[FloatArray], size: int):
         self.regions, self.size = regions, size
         self.ends = np.cumsum([0, *map(len, lines)])
         number = np.repeat(np.arange(len(edges)), np.diff(self.ends))
         first = np.array([edge.regions[0] for edge in edges])[number]
         second = np.array([edge.regions[1] if len(edge.regions) == 2 else -1 for edge in edges])[number]
-        points = np.concatenate(lines)
+        self.first, self.points, self.directions = first, np.concatenate(lines), np.concatenate(directions)
         tangents = np.concatenate([np.gradient(line, axis=0) for line in lines])
         self.axes = np.stack([regions[k].axes for k in first])
-        self.plan = np.einsum("kij,kj->ki", self.axes, points)[:, :2]
-        self.lift, *self.slopes = (self._rows(first, self.plan, order) for order in ((0, 0), *FIRST_ORDERS))
         self.shared = np.flatnonzero(second >= 0)
         self.second, self.edges = second[self.shared], number[self.shared]
         along = tangents[self.shared]
@@ -97,21 +101,37 @@ class Joints:
 
     def at(self, x: FloatArray) -> Joined:
         """Return the gaps and kinks for coefficients (size,)."""
-        points = np.einsum("ki,kij->kj", np.column_stack([self.plan, self.lift @ x]), self.axes)
+        points, lift, first = self._on_first(x)
         curves = [points[first:last] for first, last in zip(self.ends, self.ends[1:])]
         local = np.einsum("kij,kj->ki", self.second_axes, points[self.shared])
         other, *slopes = (self._rows(self.second, local[:, :2], order) for order in ((0, 0), *FIRST_ORDERS))
-        one = _side(x, tuple(own[self.shared] for own in self.slopes), self.axes[self.shared])
+        one = _side(x, (first[0][self.shared], first[1][self.shared]), self.axes[self.shared])
         two = _side(x, (slopes[0], slopes[1]), self.second_axes)
         gaps = (local[:, 2] - other @ x) * two.upright
-        turn = np.einsum("ki,ki->k", self.axes[self.shared, 2], two.normals)
-        gap_rates = self.lift[self.shared].multiply(turn[:, None]) - other.multiply(two.upright[:, None])
+        along = self.directions[self.shared]
+        turn = np.einsum("ki,ki->k", along, two.normals) * one.upright / np.einsum("ki,ki->k", along, one.normals)
+        gap_rates = lift[self.shared].multiply(turn[:, None]) - other.multiply(two.upright[:, None])
         across = np.cross(one.normals, two.normals)
         kinks, sines = np.einsum("ki,ki->k", self.tangents, across), np.linalg.norm(across, axis=1)
         kink_rates = _turned(one, np.asarray(np.cross(two.normals, self.tangents), dtype=np.float64)) + _turned(
             two, np.asarray(np.cross(self.tangents, one.normals), dtype=np.float64)
         )
         return Joined(gaps, gap_rates.tocsr(), kinks, sines, kink_rates.tocsr(), self.edges, curves)
+
+    def _on_first(self, x: FloatArray) -> tuple[FloatArray, sparse.csr_matrix, list[sparse.csr_matrix]]:
+        """Return the points of all edges on their first surfaces (k, 3), and the basis functions and their first derivatives there."""
+
+        def basis(points: FloatArray) -> tuple[FloatArray, sparse.csr_matrix, list[sparse.csr_matrix]]:
+            local = np.einsum("kij,kj->ki", self.axes, points)
+            lift, *slopes = (self._rows(self.first, local[:, :2], order) for order in ((0, 0), *FIRST_ORDERS))
+            return local[:, 2], lift, slopes
+
+        points, along = self.points, np.einsum("kij,kj->ki", self.axes, self.directions)
+        for _ in range(PROJECTIONS):
+            height, lift, slopes = basis(points)
+            rise = along[:, 2] - (slopes[0] @ x) * along[:, 0] - (slopes[1] @ x) * along[:, 1]
+            points = points + ((lift @ x - height) / rise)[:, None] * self.directions
+        return points, *basis(points)[1:]
 
     def smooth(self, kinks: FloatArray, most: float) -> Mask:
         """Return the points of shared edges whose median kink is at most an angle [rad] (k,)."""

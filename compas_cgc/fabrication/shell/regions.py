@@ -21,8 +21,8 @@ from .fit import fitted
 
 __all__ = ["region_surfaces"]
 
-# Spans and the margin beside singular vertices, both in edge lengths, and weights, tried in this order.
-TRIALS = ((0.5, 2.5, CLOSE), (0.5, 3.0, LOOSE), (0.4, 3.0, LOOSE))
+# Spans in edge lengths, rows of points per face, and weights, tried in this order.
+TRIALS = ((0.5, 3, CLOSE), (0.4, 4, LOOSE), (0.33, 4, LOOSE), (0.4, 4, CLOSE))
 
 
 def region_surfaces(problem: CGCProblem) -> Fit:
