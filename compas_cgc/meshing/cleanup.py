@@ -64,7 +64,11 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     notes = []
     used = np.zeros(len(vertices), bool)
     used[quads] = True
-    reach = min(tolerance, 0.01 * mean_edge(vertices, quads))
+    edge = mean_edge(vertices, quads)
+    reach = min(tolerance, 0.01 * edge)
+    if tolerance > edge > 0.0:
+        far = f"points up to {reach:.3g}{unit} apart were welded, not {tolerance:.3g}{unit}, which is longer than an edge of the mesh"
+        notes.append(f"{far}, {edge:.3g}{unit} on average; check its unit")
     welded = weld(vertices, quads, reach)
     merged = int(np.count_nonzero(used)) - len(welded.vertices)
     if merged:

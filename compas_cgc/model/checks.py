@@ -28,6 +28,7 @@ from ..meshing.existence import plane_of
 from .bulging import two_sided_supports
 from .flat_edges import saddle_in_flat_edge
 from .goals.binding import unknown_regions
+from .goals.contradictions import bound_problems
 from .goals.contradictions import goal_problems
 from .law_problems import law_problems
 from .problem import CGCProblem
@@ -88,7 +89,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
         problems += _unit_problems(real) + _remarks(real) + _existence_problems(real) + _saddle_problems(real)
-        warnings = (*two_sided_supports(real), *twisted_edges(real), *saddle_in_flat_edge(real))
+        warnings = (*bound_problems(real), *two_sided_supports(real), *twisted_edges(real), *saddle_in_flat_edge(real))
         problems += [Diagnostic(said, fatal=False) for said in warnings]
     return problems
 

@@ -13,6 +13,7 @@ from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import unroll
+from compas_cgc.io import read_problem
 from compas_cgc.rationalisation import rationalise
 
 
@@ -58,6 +59,32 @@ def test_curvatures_in_other_units_are_noticed_by_check(K, unit, strange):
     mesh = courtyard(unit)
     mesh.set_target(K)
     assert any("check the units: K is in 1/(model unit)²" in str(one) for one in check(mesh)) == strange
+
+
+@pytest.mark.parametrize(
+    ("goal", "strange"),
+    [
+        (compas_cgc.Below(1500.0), "has no effect on a mesh of size 15"),
+        (compas_cgc.Above(-1500.0), "has no effect on a mesh of size 15"),
+        (compas_cgc.Below(0.002), "0.002 from the level of the supports, which is negligible"),
+        (compas_cgc.Above(-0.0015), "0.0015 from the level of the supports"),
+        (compas_cgc.Below(0.0), ""),
+        (compas_cgc.Below(2.0), ""),
+        (compas_cgc.Above(-1.0), ""),
+    ],
+)
+def test_bounds_of_the_height_in_other_units_are_noticed_by_check(goal, strange):
+    mesh = courtyard()
+    mesh.set_target(0.01)
+    found = [str(one) for one in check(mesh.to_problem().with_goals([goal])) if "check its units" in str(one)]
+    assert len(found) == bool(strange) and all(strange in one for one in found)
+
+
+@pytest.mark.parametrize(("weld", "strange"), [(10.0, True), (0.001, False)])
+def test_welding_distances_longer_than_edges_are_noticed(weld, strange, tmp_path):
+    compas_cgc.write(tmp_path / "plan.obj", courtyard())
+    found = [note for note in read_problem(tmp_path / "plan.obj", tolerance=weld).notes if "check its unit" in note]
+    assert len(found) == strange and all("not 10, which is longer than an edge of the mesh, 1.1" in note for note in found)
 
 
 LONG_RING = np.array([[0.0, 0, 0], [12, 0, 0], [12, 9, 0], [0, 9, 0], [0, 0, 0]])

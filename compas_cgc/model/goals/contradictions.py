@@ -35,7 +35,7 @@ from .wholes import Rise
 from .wholes import Unknown
 from .wholes import Volume
 
-__all__ = ["goal_problems", "refuse_impossible"]
+__all__ = ["bound_problems", "goal_problems", "refuse_impossible"]
 
 MAX_LENGTH_RATIO = 50.0  # length over the size of the mesh above which it is probably in other units
 MIN_RISE_RATIO = 5e-4  # rise over the size of the mesh below which it is probably in other units
@@ -110,6 +110,22 @@ def _out_of_scale(problem: CGCProblem) -> Iterator[str]:
             yield f"{goal_name(goal)} is far larger than the mesh, whose size is {size:.3g}; {mend}"
         elif isinstance(goal, Rise) and far < MIN_RISE_RATIO * size:
             yield f"{goal_name(goal)} is negligible against the size of the mesh, {size:.3g}; {mend}"
+
+
+def bound_problems(problem: CGCProblem) -> Iterator[str]:
+    """Return warnings about bounds of the height that have no effect, or hardly leave the level of the supports."""
+    size, middle = _size(problem), float(problem.vertices[:, 2].mean())
+    for goal in problem.goals:
+        if isinstance(goal, (Above, Below)):
+            beyond = (goal.height - middle) * (1.0 if isinstance(goal, Below) else -1.0)
+            over = abs(goal.height - support_height(problem))
+            if beyond > MAX_LENGTH_RATIO * size:
+                yield f"{goal_name(goal)} has no effect on a mesh of size {size:.3g}; check its units: they must be those of the drawing"
+            elif RELATIVE_TOLERANCE * size < over < MIN_RISE_RATIO * size:
+                yield (
+                    f"{goal_name(goal)} is {over:.3g} from the level of the supports, which is negligible against the size of the mesh, "
+                    f"{size:.3g}; check its units: they must be those of the drawing"
+                )
 
 
 def _reach(goal: Constraint, middle: float) -> float:
