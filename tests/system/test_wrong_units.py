@@ -66,8 +66,8 @@ def test_curvatures_in_other_units_are_noticed_by_check(K, unit, strange):
     [
         (compas_cgc.Below(1500.0), "has no effect on a mesh of size 15"),
         (compas_cgc.Above(-1500.0), "has no effect on a mesh of size 15"),
-        (compas_cgc.Below(0.002), "0.002 from the level of the supports, which is negligible"),
-        (compas_cgc.Above(-0.0015), "0.0015 from the level of the supports"),
+        (compas_cgc.Below(0.002), "0.002 from the level of a support, which is negligible"),
+        (compas_cgc.Above(-0.0015), "0.0015 from the level of a support"),
         (compas_cgc.Below(0.0), ""),
         (compas_cgc.Below(2.0), ""),
         (compas_cgc.Above(-1.0), ""),

@@ -113,17 +113,18 @@ def _out_of_scale(problem: CGCProblem) -> Iterator[str]:
 
 
 def bound_problems(problem: CGCProblem) -> Iterator[str]:
-    """Return warnings about bounds of the height that have no effect, or hardly leave the level of the supports."""
+    """Return warnings about bounds of the height that have no effect, or hardly leave the level of a support."""
     size, middle = _size(problem), float(problem.vertices[:, 2].mean())
+    levels = problem.vertices[problem.supports, 2]
     for goal in problem.goals:
         if isinstance(goal, (Above, Below)):
             beyond = (goal.height - middle) * (1.0 if isinstance(goal, Below) else -1.0)
-            over = abs(goal.height - support_height(problem))
+            over = float(np.abs(goal.height - levels).min(initial=np.inf))
             if beyond > MAX_LENGTH_RATIO * size:
                 yield f"{goal_name(goal)} has no effect on a mesh of size {size:.3g}; check its units: they must be those of the drawing"
             elif RELATIVE_TOLERANCE * size < over < MIN_RISE_RATIO * size:
                 yield (
-                    f"{goal_name(goal)} is {over:.3g} from the level of the supports, which is negligible against the size of the mesh, "
+                    f"{goal_name(goal)} is {over:.3g} from the level of a support, which is negligible against the size of the mesh, "
                     f"{size:.3g}; check its units: they must be those of the drawing"
                 )
 
