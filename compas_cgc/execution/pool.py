@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
+import sys
 import threading
 import time
 from collections import deque
@@ -37,7 +38,7 @@ log = logging.getLogger(__name__)
 
 
 class WorkerPool(Executor):
-    """Pool of spawned processes that run one task at a time.
+    """Pool of processes that run one task at a time.
 
     When a process ends (by a crash, lack of memory or a kill), only its task fails, and the process
     is replaced. A task that does not stop on request is ended with its process.
@@ -54,6 +55,8 @@ class WorkerPool(Executor):
         Number of additional processes for urgent tasks only; the second and third run short ones only.
     niceness
         By how much the system prefers other processes to those that run long tasks, as in :func:`os.nice`, where it has priorities.
+    preload
+        Module that workers of the first pool share where processes can be forked: it is imported once.
 
     Attributes
     ----------
@@ -68,8 +71,9 @@ class WorkerPool(Executor):
         grace: float = 1.0,
         reserved: int = 0,
         niceness: int = 0,
+        preload: str = "",
     ):
-        self._context = multiprocessing.get_context("spawn")
+        self._context = _context(preload)
         self._warm_up = warm_up
         self._grace = grace
         self._niceness = niceness
@@ -321,6 +325,19 @@ class WorkerPool(Executor):
             self._lanes.moved(task)
             self._waiting.insert(place(task, self._waiting), task)
             self._change.notify_all()
+
+
+def _context(preload: str) -> Any:
+    """Return how processes are started: forked from one that has imported a module, or, where that is not safe, each from scratch.
+
+    Libraries of macOS do not survive a fork, and before Python 3.11.1 others on the machine could reach the process that forks
+    (CVE-2022-42919).
+    """
+    if not sys.platform.startswith("linux") or sys.version_info < (3, 11, 1):
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([preload] if preload else [])
+    return context
 
 
 def _fail(task: Task, error: Exception) -> None:

@@ -62,6 +62,7 @@ log = logging.getLogger(__name__)
 
 # Niceness of processes whose solves may be long. Those of short calls and of files get three times as much of a shared processor.
 LONG_NICENESS = 5
+PRELOAD = "compas_cgc.server.preload"
 SENTENCES = {
     404: "there is nothing at this address; GET /openapi.json lists the available addresses",
     405: "this address does not support {method} requests; GET /openapi.json lists the available addresses",
@@ -114,8 +115,8 @@ def create_app(
     # First, as opening the store can fail.
     stored = Store(store)
     count = workers or max(1, (os.cpu_count() or 2) - 1)
-    pool = executor or WorkerPool(count, warm_up, limits.grace, limits.reserved, LONG_NICENESS)
-    readers, writers = WorkerPool(1, warm_up_io, limits.grace), WorkerPool(1, warm_up_writer, limits.grace)
+    pool = executor or WorkerPool(count, warm_up, limits.grace, limits.reserved, LONG_NICENESS, PRELOAD)
+    readers, writers = (WorkerPool(1, own, limits.grace, preload=PRELOAD) for own in (warm_up_io, warm_up_writer))
     solve = partial(solve_job, readers={**READERS, "hops": read_hops_request})
     jobs = app.extensions["jobs"] = Jobs(pool, stored, solve, limits, readers, writers)
     app.extensions["readiness"] = Readiness(jobs.problems)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from functools import partial
 
 import pytest
 
@@ -161,11 +162,10 @@ def test_processes_of_short_lanes_go_first_on_busy_processors():
         assert [os.getpriority(os.PRIO_PROCESS, pid) - own for pid in pool.processes()] == [3, 3, 0]
 
 
-def test_a_call_known_to_be_short_does_not_wait_for_the_start_of_a_worker(tmp_path, monkeypatch):
+def test_a_call_known_to_be_short_does_not_wait_for_the_start_of_a_worker(tmp_path):
     """A call that does not hear is ended with its worker; another worker answers before the next has started."""
-    monkeypatch.setenv("WORKERS_MAY_START", str(tmp_path / "may"))
     (tmp_path / "may").touch()
-    with WorkerPool(1, tasks.start_when_allowed, grace=0.5, reserved=3) as pool:
+    with WorkerPool(1, partial(tasks.start_when_allowed, str(tmp_path / "may")), grace=0.5, reserved=3) as pool:
         assert pool.wait_until_ready(LONG)
         assert pool.start(tasks.add, (1, 2), client="k", urgent=True).result(LONG) == 3
         busy = []

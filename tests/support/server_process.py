@@ -125,21 +125,30 @@ def wait_for(condition, seconds=PATIENCE, what="waited too long"):
     return found
 
 
+def descendants(pid):
+    """Return the processor time of a process and of all that it started, or that these started, in clock ticks by process id."""
+    parents, ticks = {}, {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
+        except OSError:
+            continue  # it has ended
+        parents[int(path.parent.name)], ticks[int(path.parent.name)] = int(parent), int(user) + int(system)
+    found, waiting = {}, [pid]
+    while waiting:
+        own = waiting.pop()
+        found[own] = ticks.get(own, 0)
+        waiting += [child for child, parent in parents.items() if parent == own]
+    return found
+
+
 def worker_of(server):
     """Return the process id of the worker of a server that works at the moment."""
 
-    def ticks(path):
-        parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
-        return int(user) + int(system) if int(parent) == server.process.pid else None
-
     def times():
-        found = {}
-        for path in Path("/proc").glob("[0-9]*/stat"):
-            try:
-                found[int(path.parent.name)] = ticks(path)
-            except OSError:
-                continue  # it has ended
-        return {pid: spent for pid, spent in found.items() if spent is not None}
+        found = descendants(server.process.pid)
+        del found[server.process.pid]
+        return found
 
     before = times()
 

@@ -13,7 +13,6 @@ import http.client
 import json
 import multiprocessing
 import random
-import re
 import subprocess
 import sys
 import tempfile
@@ -29,6 +28,7 @@ from compas_cgc.client import Refused
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
 
 from .server_process import PATIENCE
+from .server_process import descendants
 from .server_process import running_server
 from .shapes import grid
 
@@ -263,12 +263,10 @@ class Watch(multiprocessing.get_context("spawn").Process):
 
 def memory_of(pid):
     """Return the resident memory of a server and the largest of its workers [MB]."""
-    columns = ["ps", "-A", "-ww", "-o", "pid=", "-o", "ppid=", "-o", "rss=", "-o", "args="]
-    listed = subprocess.run(columns, capture_output=True, text=True, check=True).stdout
-    found = re.findall(r"^ *(\d+) +(\d+) +(\d+) +(.*)$", listed, re.MULTILINE)
-    own = [int(size) / 1024 for own, _, size, _ in found if int(own) == pid]
-    workers = [int(size) / 1024 for _, parent, size, command in found if int(parent) == pid and "spawn_main" in command]
-    return sum(own), max(workers, default=0.0)
+    listed = subprocess.run(["ps", "-A", "-o", "pid=", "-o", "rss="], capture_output=True, text=True, check=True).stdout
+    sizes = {int(own): int(size) / 1024 for own, size in map(str.split, listed.splitlines())}
+    workers = [sizes.get(own, 0.0) for own in descendants(pid) if own != pid]
+    return sizes.get(pid, 0.0), max(workers, default=0.0)
 
 
 def known_answers(server):

@@ -53,7 +53,7 @@ INSIDE = {
         {"jobs"},
         {"api"},
         {"hops", "operation", "page"},
-        {"waitress_channel", "waitress_threads", "app"},
+        {"waitress_channel", "waitress_threads", "preload", "app"},
         {"run"},
     ],
     "grasshopper": [{"runtime", "build"}, {"components"}],

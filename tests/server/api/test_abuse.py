@@ -27,6 +27,7 @@ from compas_cgc.server.limits import Limits
 from ...support.server_process import KEY
 from ...support.server_process import KILLABLE
 from ...support.server_process import PATIENCE
+from ...support.server_process import descendants
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from ...support.shapes import grid
@@ -224,15 +225,9 @@ def test_a_deletion_makes_room_for_itself(tmp_path):
 
 def cpu_of(pid):
     """Return the CPU seconds of a process, and of the processes that it started."""
-    found = [0.0, 0.0]
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
-        except OSError:
-            continue  # it has ended
-        if pid in (int(path.parent.name), int(parent)):
-            found[int(path.parent.name) != pid] += (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
-    return found
+    found = descendants(pid)
+    own = found.pop(pid)
+    return [ticks / os.sysconf("SC_CLK_TCK") for ticks in (own, sum(found.values()))]
 
 
 def forget_most_memory(pid):
