@@ -131,6 +131,7 @@ def test_a_picture_is_drawn_beside_the_surface(dome, small_pictures, tmp_path, c
     assert "the suffix of a picture must be" in capsys.readouterr().err and not (tmp_path / "none.json").exists()
 
 
+@pytest.mark.nightly
 def test_strategies_and_flip(tmp_path, capsys):
     heights = {}
     for name, options in {"s": ["--s", "0.5"], "flip": ["--flip", "--s", "0.5"]}.items():

@@ -136,6 +136,7 @@ def test_stress_on_most_of_a_solved_roof_converges_under_refinement(K):
     assert coarse == pytest.approx(fine, rel=0.1)
 
 
+@pytest.mark.nightly
 def test_stress_beside_a_held_wall_is_stated_apart_from_that_of_other_panels():
     found = []
     for edge in (0.5, 0.25):

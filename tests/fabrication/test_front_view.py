@@ -69,6 +69,7 @@ def test_pieces_and_panels_of_an_upright_surface_are_drawn_as_those_in_plan(dome
     assert sizes[1] == pytest.approx(sizes[0], rel=0.02)
 
 
+@pytest.mark.nightly
 def test_steep_pieces_and_panels_are_drawn_in_elevations():
     mesh = compas_cgc.CGCMesh.from_meshgrid(dx=12.0, nx=24)
     mesh.set_supports("boundary")

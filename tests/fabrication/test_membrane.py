@@ -276,6 +276,7 @@ def test_free_edges_are_said_to_need_beams():
     assert any("edge beam" in remark for remark in state.remarks)
 
 
+@pytest.mark.nightly
 def test_a_saddle_along_the_mesh_is_balanced_with_small_corrections():
     """Asymptotic curves along the diagonals of a grid: alternating moves of its vertices hardly stretch an edge."""
     largest = []

@@ -47,7 +47,7 @@ def test_below_a_fixed_square_the_limit_is_under_what_the_gauss_map_allows():
     assert 0.75 * math.pi < limit.target < limit.beyond <= 1.03 * limit.target < 1.03 * math.pi
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("sign", [1.0, pytest.param(-1.0, marks=pytest.mark.nightly)])
 def test_at_the_limit_there_is_a_fair_surface_and_the_limit_goes_with_the_square_of_the_size(sign):
     limit = largest_target(roof(sign))
     assert limit.status == "found" and limit.carries_what_is_asked and np.sign(limit.target) == sign
@@ -93,6 +93,7 @@ def test_the_number_that_is_said_of_panels_with_a_goal_is_true():
     assert not (rough.converged and rough.verdict.fair)
 
 
+@pytest.mark.nightly
 def test_a_deep_saddle_is_found_at_once_where_free_edges_may_leave_their_lines():
     over_its_lines = solve(roof(-9.0))
     assert not over_its_lines.verdict.fair and use_method("projection") in over_its_lines.ending.remedies

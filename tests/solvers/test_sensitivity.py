@@ -138,7 +138,7 @@ def test_newton_moves_change_the_smooth_measure_by_what_is_asked():
 @pytest.mark.parametrize(
     "held, creased",
     [
-        pytest.param([*range(13), *range(156, 169)], False, id="free edges between walls"),
+        pytest.param([*range(13), *range(156, 169)], False, id="free edges between walls", marks=pytest.mark.nightly),
         pytest.param("boundary", True, id="a crease within a rim", marks=pytest.mark.nightly),
     ],
 )

@@ -39,6 +39,7 @@ def test_a_dome_drawn_over_three_sides_is_fair_and_on_its_side(shape, height, K)
     assert z.min() > -1e-3 * z.max() and z.max() > 0.1
 
 
+@pytest.mark.nightly
 def test_how_high_it_is_drawn_does_not_matter():
     high, low = solve(drawn("sine", 0.2, 0.6)), solve(drawn("sine", 0.1, 0.6))
     assert np.allclose(high.vertices, low.vertices, atol=1e-6)

@@ -37,7 +37,7 @@ def found(*goals, **options):
     return result, result.problem.region_targets()
 
 
-@pytest.mark.parametrize("supports", ["corners", "boundary"])
+@pytest.mark.parametrize("supports", ["corners", pytest.param("boundary", marks=pytest.mark.nightly)])
 def test_a_ratio_is_kept(supports):
     result, (first, second) = found(Rise(0.5), Unknown([0, 1], ratio=True), supports=supports)
     assert result.converged and result.verdict.fair and second == pytest.approx(2.0 * first, rel=1e-12)

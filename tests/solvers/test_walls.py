@@ -50,6 +50,7 @@ def test_a_roof_on_walls_is_fair_and_as_high_on_every_mesh(outline, walls, K, cr
     assert heights[0] == pytest.approx(heights[1], rel=0.01)
 
 
+@pytest.mark.nightly
 def test_it_rises_evenly_with_K():
     """On the way from the plate single vertices of the free edges snap through for some K: 1 to 3 % lower than for those beside."""
     problem = roof([(0, 0), (15, 0), (15, 15), (0, 15)], (0, 2), 0.004, 1.25)

@@ -50,7 +50,7 @@ def negative_curvature(
     ----------
     Nocedal and Wright, *Numerical Optimization*, section 3.4, doi:10.1007/978-0-387-40065-5.
     """
-    load, curvature = np.zeros(hessian.shape[0]), np.inf
+    direction, load, curvature = np.zeros(hessian.shape[0]), np.zeros(hessian.shape[0]), np.inf
     load[: len(places)] = np.cos(places @ WAVES + 1.0)
     for _ in range(ROUNDS):
         direction = responses(load)

@@ -71,7 +71,7 @@ def problem(shape):
     [
         ("mould", DOME, {"count": 4, "material": "timber"}, lambda own: moulds(own, divided(own, count=4), material="timber")),
         ("unroll", CONE, {"sheet": "6000x3000mm", "rulings": 0.4}, lambda own: unroll(own, (6.0, 3.0), rulings=0.4)),
-        ("unroll", DOME, {"sheet": [3, 1.5], "strain": "0.2%"}, lambda own: unroll(own, (3.0, 1.5), strain=0.002)),
+        ("unroll", DOME, {"sheet": [3, 1.5], "strain": "1%"}, lambda own: unroll(own, (3.0, 1.5), strain=0.01)),
         ("membrane", DOME, {"pressure": -1.5}, lambda own: membrane(own, -1.5)),
         ("net", SADDLE, {"spacing": 1.0}, lambda own: curve_net(own, 1.0)),
         ("drawings", DOME, {"sections": "0,1,4,1", "scale": 200}, lambda own: draw_views(own, 200, sections=[(0, 1, 4, 1)])),

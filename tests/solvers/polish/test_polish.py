@@ -233,7 +233,7 @@ def _on_five_points(seed: int):
     return CGCProblem(V, F).with_supports(at.tolist()).with_targets(-1.0)
 
 
-@pytest.mark.parametrize("seed", [0, 2, 4])
+@pytest.mark.parametrize("seed", [0, pytest.param(2, marks=pytest.mark.nightly), pytest.param(4, marks=pytest.mark.nightly)])
 def test_even_curvature_has_no_branch_points_where_least_bending_has_some(seed):
     problem = _on_five_points(seed)
     least, even = polish(problem, settings=PolishSettings(evenness=0.0)), solve(problem)
@@ -297,6 +297,7 @@ def test_supports_are_lowered_from_a_saddle_where_plates_lead_to_branch_points()
     assert "branch point" in least.message
 
 
+@pytest.mark.nightly
 def test_of_saddles_that_miss_level_supports_by_as_much_all_are_found_anywhere():
     """Which of them comes first depends on rounding."""
     random = np.random.default_rng(900)
