@@ -78,6 +78,7 @@ MEASURED_GAP = 1e-3  # relative gap of the stages whose surfaces are candidates
 MAX_DISTANCE = 5e-4  # tolerance of the distance of vertices and edges relative to the size
 COARSE_DISTANCE = 1e-3  # the largest one, for meshes whose faces are as far from the surface
 MAX_GAP = 1e-6  # tolerance of the gap between neighbours relative to the size
+GAP_AIM = 4e-7  # the same gap, below which surfaces are compared by their K: .01 mm for a roof of 25 m
 MAX_KINK = 2.0  # tolerance of the kink at smooth edges, 95th percentile [deg]
 MAX_CURVATURE_ERROR = 0.1  # tolerance of the error of K, 95th percentile away from singular vertices
 AIM = 0.02  # the same error, below which surfaces are compared by their distance and gap too
@@ -166,10 +167,14 @@ class Fit(NamedTuple):
         """Tolerance of the distance of vertices and edges [L], larger for coarse meshes, which are inaccurate themselves."""
         return max(MAX_DISTANCE * self.scale, min(self.sagitta, COARSE_DISTANCE * self.scale))
 
-    def rank(self) -> tuple[float, float, bool, float]:
-        """Return a key that is smallest for the best of several fits: its tolerances first, then its error of K down to the aim."""
-        far = self.distance > MAX_DISTANCE * self.scale
-        return max(self.shortfall(), 1.0), max(float(self.percentiles()[1]), AIM), far, self.shortfall()
+    def rank(self) -> tuple[float, bool, float, bool, float]:
+        """Return a key that is smallest for the best of several fits: tolerances first, then gap and error of K down to their aims."""
+        wide, far = self.gap > GAP_AIM * self.scale, self.distance > MAX_DISTANCE * self.scale
+        return max(self.shortfall(), 1.0), wide, max(float(self.percentiles()[1]), AIM), far, self.shortfall()
+
+    def meets_aims(self) -> bool:
+        """Check whether all tolerances are met, and the aims for the gap and for the error of K."""
+        return self.rank()[:3] == (1.0, False, AIM)
 
     def shortfall(self) -> float:
         """Return the largest of distance, gap, kink and error of K (95th percentiles), each relative to its tolerance."""

@@ -9,7 +9,6 @@ import numpy as np
 from ...errors import MeshError
 from ...model.lengths import place_text
 from ...model.problem import CGCProblem
-from .fit import AIM
 from .fit import AWAY_FROM
 from .fit import CLOSE
 from .fit import LOOSE
@@ -52,7 +51,7 @@ def region_surfaces(problem: CGCProblem) -> Fit:
         if fit is not None and fit.shortfall() <= 1.0 and fit.rank() <= found.rank():
             return fit
         fit = found if fit is None else min(fit, found, key=Fit.rank)
-        if fit.shortfall() <= 1.0 and fit.percentiles()[1] <= AIM:
+        if fit.meets_aims():
             return fit
     assert fit is not None
     if fit.shortfall() <= 1.0:
