@@ -46,7 +46,8 @@ CHANGE = {
         "items": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}, "minItems": 2},
         "description": "lines in plan along which the surface may fold, of a new mesh [L]",
     },
-    "flip": {"const": True, "description": "reverse all faces"},
+    # An enumeration, as generators of clients write no valid code for a constant that is true.
+    "flip": {"type": "boolean", "enum": [True], "description": "reverse all faces"},
     "edge_length": {"type": "number", "description": "edge length of a new mesh [L]"},
     "edge_scale": {"type": "number", "description": "factor of the edge length of a new mesh"},
 }
