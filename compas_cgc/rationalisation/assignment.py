@@ -49,6 +49,7 @@ KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
 EVENING, LEAST_GAIN = 10, 0.005  # rounds of weights at most, and the part of the norm below which a round is the last
 FEW_MOVES = 40  # of one panel or two that are tried in the end, each with its solved surface
+FEW_EFFORT = 120  # panels of all these moves together, without costs: with more panels, moves of one or two change less
 EVENED_EXCESS = 1.25  # of the allowed distance, above which evening does not bring a surface within it
 LAST_POWERS = (16, 32, 64, 128)  # of the norms that are reduced in the end, towards the largest distance
 LEAST = 1e-3  # weight of no distance against that of the largest
@@ -141,7 +142,7 @@ def _by_few_moves(
 
     The linear model that chooses the panels of a round is coarse, so that its best move may fail where others succeed.
     """
-    tried, most = 0, min(FEW_MOVES, EFFORT // moves.panels)
+    tried, most = 0, min(FEW_MOVES, (FEW_EFFORT if allowance is None else EFFORT) // moves.panels)
     while tried < most:
         own, stressing = here.assigned, _stressing(moves, here.moves, POWER)
         for classes in _neighbours(moves, here, stressing, allowance):

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from ..datastructures import SolveResult
 from ..discrete import boundary_vertices
+from ..discrete import face_areas
 from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import MeshError
@@ -180,6 +181,8 @@ def rationalise(
         own = Rationalised(solved, curvatures, classes, panelling, read, within, stop.stopped, "", prices, moves.importance)
         if within is not None and not own.kept and not stop.stopped:
             own = replace(own, suggestion=_suggestion(own, within, min(_most(moulds), moves.panels)))
+        if not own.result.converged and not stop.stopped:
+            own = replace(own, suggestion=_too_wide(panelling, read))
         found.append(own)
         if stop.stopped:
             break
@@ -288,6 +291,18 @@ def _most(moulds: MouldsInput) -> int:
     if moulds is None:
         return MAX_MOULDS
     return int(moulds) if isinstance(moulds, (int, np.integer)) else len(moulds)
+
+
+def _too_wide(panelling: Panelling, design: Design) -> str:
+    """Return what to change where no surface with the K of the moulds was found near a design."""
+    width = float(np.sqrt(face_areas(panelling.vertices, panelling.faces).sum() / panelling.panel_count))
+    bends = np.abs(design.surface.principal(panelling.parameters)[0]).max(axis=1)
+    # At poles, and where a mesh folds, the curvature is unbounded.
+    angle = np.degrees(width * float(np.quantile(bends, 0.95)))
+    return (
+        f"no surface with these K was found near the design, which bends by {angle:.0f} degrees across a panel in places; "
+        f"try panels narrower than {width:.2g}, more moulds, or a smoother design"
+    )
 
 
 def _suggestion(found: Rationalised, within: float, tried: int) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -52,6 +54,16 @@ def test_every_panel_has_the_curvature_of_its_mould_in_the_exact_measure():
     assert len(own.curvatures) == 3 and own.result.status == "converged"
     assert np.abs(2 * np.pi - sums).max() < 1e-11
     assert own.panels_per_class.sum() == 24 and (own.panels_per_class > 0).all()
+
+
+def test_where_no_surface_is_found_the_result_tells_how_much_the_design_bends(monkeypatch):
+    """The design bends by 0.19 /m at most, 21 degrees across 2 m."""
+    failed = replace(found(1).result, status="infeasible")
+    monkeypatch.setattr(run_module, "_solved", lambda *given: failed)
+    own = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=1)
+    assert not own.kept and own.suggestion in own.summary and "narrower than 2" in own.suggestion
+    (angle,) = re.findall(r"bends by (\d+) degrees across a panel", own.suggestion)
+    assert 12 <= int(angle) <= 21
 
 
 def test_more_moulds_are_nearer_and_flat_sheets_farther():
