@@ -50,7 +50,7 @@ __all__ = ["between_lines", "moves_of_lines"]
 EVEN = 600  # vertices of the even triangles on which lines are found
 PLACES = 16  # points of a line per edge of these triangles, among which their vertices are chosen, so that they are evenly spaced
 CORRECTIONS = 8  # of goals; the first leaves about a tenth of the residual
-WAYS = ((1.0, 1.0), (1.0, 0.8), (1.0, 1.0)), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))  # successive fractions of the fold length and of K̄
+WAYS = ((1.0, 1.0),), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))  # successive fractions of the fold length and of K̄
 ROUNDED = 1e-10  # residual of goals at rounding level, relative to their numbers or to the size
 
 
@@ -152,10 +152,9 @@ def _settings(settings: Optional[Settings]) -> PolishSettings:
 
 
 def _bent(posed: CGCProblem, settings: Optional[Settings], callback: Callback) -> Solution:
-    """Return the surface of least bending and folding; without goals, the one with less energy of two continuations.
+    """Return the surface of least bending and folding; without goals, the one with less energy of two ways.
 
-    During a long continuation single vertices of lines may snap through. They snap back during a short one from less K, and fewer of them
-    snap through if creases are stiffer at first.
+    On the way to full K single vertices of lines may snap through. Fewer of them do so where K is less and creases are stiffer at first.
     """
     if posed.goals:
         return run_method(METHODS["bending"], posed, settings=settings, callback=callback)
@@ -168,10 +167,9 @@ def _bent(posed: CGCProblem, settings: Optional[Settings], callback: Callback) -
             last = polish(posed.with_targets(part * posed.targets), settings=own, start=start, callback=callback)
             if last.status == "cancelled":
                 return last
-            if last.status != "converged" or folds == part == 1.0:
-                ends.append(last)
             if last.status != "converged":
                 break
+        ends += [last] if last is not None else []
     return min(ends, key=lambda one: one.branches[0].energy if one.branches else math.inf)
 
 
