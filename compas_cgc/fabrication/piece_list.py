@@ -17,6 +17,7 @@ from .piece_checks import at_sheet_edge
 from .piece_checks import contours
 from .piece_checks import sharpest_corner
 from .sheet_drawing import folded
+from .sheet_drawing import rolled_regions
 from .tables import csv_text
 
 __all__ = ["cut_list", "cut_list_text"]
@@ -45,15 +46,17 @@ _HEAD = (
 )
 
 
+UNKNOWN = "as neighbours"  # bends of a piece in a rolled region on which no ruling lies
 NOTES = (
     "length, width and perimeter: of the contour that is cut; length and width are those of the rectangle around it on the sheet",
     "course: suggested order of assembly, 1 for pieces on supports, 2 for their neighbours, and so on",
     "on edge of sheet: a side of the piece lies on the edge of its sheet and is not trimmed",
     "bends: away from the viewer who sees the piece from outside, or towards, or both; least bending radius: in position, across rulings "
     "for K = 0, otherwise the smaller principal radius, on 95 % of the area of the piece",
+    f"{UNKNOWN}: no radius is known, because no ruling crosses the piece; bend it by hand until its seams meet those of its neighbours",
     "mould: surface of constant K on which a piece with K other than 0 is pressed before it is bent to its place",
     "strain: largest stretch or compression of pressing; seam difference: largest difference in length between the two flat sides of one "
-    "of its seams, and the number of this seam; the table of edges has all lengths",
+    "of its seams, and the number of this seam; the edge table (the separate file -o NAME.csv) has all lengths",
     "piece: a letter for the region (A for 0) and a number, or the name of a panel if joints of panels were given; only then are pieces "
     "the panels of the mould report",
     "sharpest corner: between two sides of the outline, before kerf and allowance",
@@ -81,8 +84,8 @@ def cut_list(patterns: Patterns) -> list[tuple]:
         of the bounding rectangle, and the cutting length with holes [mm], one decimal; number of folds; names of neighbours;
         course from the supports; mould, empty if K = 0; largest strain [%]; largest difference between the sides of a seam [mm], and its
         number; sharpest corner [degree]; ``yes`` if a contour lies on the edge of the sheet; least radius of bending in position [mm],
-        and whether the piece bends away from its outside, towards it or both, empty if K = 0 without rulings; material and thickness of
-        the sheets [mm], empty if not given.
+        and whether the piece bends away from its outside, towards it or both; without a radius ``as neighbours`` if only other pieces of
+        the region have rulings, empty if none has; material and thickness of the sheets [mm], empty if not given.
 
     Examples
     --------
@@ -98,6 +101,7 @@ def cut_list(patterns: Patterns) -> list[tuple]:
     # Both faces of an edge count its fold.
     folds = np.bincount(own.piece, folded(patterns).sum(axis=1), len(patterns.pieces)) / 2
     rows, stuff = [], (patterns.stock.material, f"{patterns.stock.thickness:g}" if patterns.stock.thickness else "")
+    rolled, ruled = rolled_regions(patterns), {ruling.piece for ruling in patterns.rulings}
     bent, differences = pieces_in_position(patterns), _seam_differences(patterns)
     for number, (piece, beside, course) in enumerate(zip(patterns.pieces, neighbours(patterns), courses(patterns))):
         loops = contours(piece)
@@ -111,7 +115,8 @@ def cut_list(patterns: Patterns) -> list[tuple]:
         edge = "yes" if at_sheet_edge(patterns, piece) else ""
         fit = f"{100.0 * piece.strain:.3f}", *differences[number]
         radius, sides = bent[number]
-        bends = (f"{1e3 * metres(units) * radius:.0f}" if sides else "", sides)
+        by_hand = piece.region in rolled and number not in ruled
+        bends = (f"{1e3 * metres(units) * radius:.0f}" if sides else "", UNKNOWN if by_hand else sides)
         rows.append((*about, *fit, f"{np.degrees(sharpest_corner(piece)):.1f}", edge, *bends, *stuff))
     return sorted(rows, key=lambda row: row[0])
 

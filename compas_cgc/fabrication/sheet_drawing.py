@@ -52,7 +52,7 @@ from .piece_checks import remarks
 from .rulings import MAX_BOW
 from .rulings import Ruling
 
-__all__ = ["MARK_LENGTH", "draw_sheets", "folded"]
+__all__ = ["MARK_LENGTH", "draw_sheets", "folded", "rolled_regions"]
 
 SHEET_GAP = 0.1  # between sheets, relative to the sheet length
 MEANINGS = {
@@ -60,15 +60,16 @@ MEANINGS = {
     "OUTLINE": "edge of the piece where it meets its neighbours; not cut",
     "FOLD_UP": "fold line, engraved; ridge towards the viewer, both sides bend away",
     "FOLD_DOWN": "fold line, engraved; valley, both sides bend towards the viewer",
-    "RULING": "line along the piece that stays straight, across which it is rolled; not cut; R: bending radius in mm at the middle of the "
-    "line; away: the piece beside the line bends away from the viewer, towards: to the viewer",
+    "RULING": "line along the piece that stays straight, across which it is rolled; to engrave or draw with its text, not to cut; R: "
+    "bending radius in mm at the middle of the line; away: the piece beside the line bends away from the viewer, towards: to the viewer",
     "MARK": "tick to engrave; it lies against the tick of the same seam on the neighbouring piece",
     "LABEL": "name of the piece, to engrave",
     "SEAM": "number of the seam / name of the piece beyond it, to engrave, with a line where there is no room beside the seam; sides "
     "without one are edges of the roof",
-    "NODE": "number of the node, as in the table of edges, where there is room; not engraved",
+    "NODE": "number of the node, where there is room, as in the edge table (the separate file -o NAME.csv); not engraved",
     "SHEET": "edge of the sheet and its title; not cut",
 }
+CHORDS = "cut as drawn, straight from point to point, not as a smooth curve: both pieces at a seam have the same points"
 MARK_LENGTH = 0.012  # relative to the sheet length
 MIN_FOLD = np.radians(1.0)  # least angle of an edge that is drawn as a fold
 TEXT_SIZES = np.array([0.7, 0.5, 0.35, 0.25])  # heights of the texts at rulings, relative to the text height, the first that fits
@@ -172,7 +173,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
     drawn_key = key_of_plan(Key("", None, words), np.array([0.0, size[1] + 6.0 * height]), length, 1.5 * height, units)
     lines, texts = [*lines, *drawn_key[0]], [*texts, *drawn_key[1]]
     drawing = Drawing(lines, texts, (float(size[0]), float(size[1])), units)
-    return with_legend(drawing, {**MEANINGS, "CUT": _cut(patterns)}, _notes(patterns), 1.5 * height, length)
+    return with_legend(drawing, {**MEANINGS, "CUT": f"{_cut(patterns)}; {CHORDS}"}, _notes(patterns), 1.5 * height, length)
 
 
 def _drawn_seams(
@@ -253,7 +254,7 @@ def _notes(patterns: Patterns) -> list[str]:
     if folded(patterns).any():
         notes.append(
             f"folds are edges of the triangles of the model; they end where the angle is less than {np.degrees(MIN_FOLD):g} degree; the "
-            "table of edges holds the angles"
+            "edge table (the separate file -o NAME.csv) holds the angles"
         )
     else:
         notes.append("there are no folds: pieces are rolled or pressed; the cut list holds their radii, strains and moulds")
@@ -261,8 +262,8 @@ def _notes(patterns: Patterns) -> list[str]:
         off = [own for own in patterns.straightness.values() if own.median <= MAX_BOW]
         notes.append(
             f"rulings deviate from straight lines by {100 * max(own.median for own in off):.2g} % of their length (median); "
-            "where none are drawn, the piece is bent as well, but its rulings are not straight; without a number for lack of room: see the "
-            "cut list"
+            "a ruling without a number has no room for it: see the cut list; a piece without rulings in a region with rulings is bent as "
+            "well, by hand until its seams meet those of its neighbours, as no radius is known"
         )
     return [*notes, *remarks(patterns)]
 
@@ -294,9 +295,14 @@ def _radius(patterns: Patterns, ruling: Ruling, height: float, origin: FloatArra
 
 def folded(patterns: Patterns, fold: float = MIN_FOLD) -> Mask:
     """Return the mask of face sides (m, 3) folded by at least an angle; rolled and pressed pieces have none."""
-    rolled = [region for region, own in patterns.straightness.items() if own.median <= MAX_BOW]
+    rolled = rolled_regions(patterns)
     flat = [own.region for own in patterns.unrollings if own.unrolled and own.region not in rolled]
     return np.isin(patterns.patchwork.region, flat)[:, None] & (np.abs(patterns.folds) >= fold)
+
+
+def rolled_regions(patterns: Patterns) -> set[int]:
+    """Return the regions that are rolled across straight rulings."""
+    return {region for region, own in patterns.straightness.items() if own.median <= MAX_BOW}
 
 
 def _extent(patterns: Patterns) -> tuple[float, float]:

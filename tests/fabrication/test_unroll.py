@@ -795,6 +795,25 @@ def test_numbers_of_nodes_are_clear_of_all_other_texts():
     assert len(boxes["NODE"]) > 100 and not any(overlap(node, other) for node in boxes["NODE"] for other in others)
     legend = " ".join(own.text for own in drawing.texts if own.layer == "LEGEND")
     assert "free: 15 mm between pieces" in legend and "product of the two principal curvatures" in legend
+    # A workshop with the sheets and the cut list alone knows what to do with every line.
+    assert "straight from point to point, not as a smooth curve" in legend and "to engrave or draw with its text, not to cut" in legend
+    assert "the edge table (the separate file -o NAME.csv)" in legend and "table of edges" not in legend
+
+
+def test_the_cut_list_names_pieces_that_no_ruling_crosses():
+    own = unroll(solve(read(get("vault.3dm"))), (3.0, 1.5), margin=0.02)
+    rows = list(csv.DictReader(cut_list_text(own).splitlines()))
+    ruled = {own.pieces[ruling.piece].label for ruling in own.rulings}
+    by_hand = {row["piece"] for row in rows if row["bends"] == "as neighbours"}
+    assert (
+        by_hand
+        == {row["piece"] for row in rows if not row["least bending radius in mm"]}
+        == {row["piece"] for row in rows} - ruled
+        != set()
+    )
+    assert "as neighbours: no radius is known" in " ".join(row["notes"] for row in rows)
+    legend = " ".join(own.text for own in draw_sheets(own).texts if own.layer == "LEGEND")
+    assert "by hand until its seams meet those of its neighbours" in legend
 
 
 def test_joints_fill_sheets_and_short_seams_are_moved_or_named():
