@@ -32,6 +32,8 @@ PLAN_GAP = 10.0  # distance of the plan from the strips, relative to their width
 NAME_HEIGHT = 0.3  # of the number of a lath on its strip, relative to its width
 TITLE_HEIGHT = 0.6  # of the title above the strips, relative to their width
 NODE_ROOM = 0.8  # length of the text of a node on a strip, relative to its width
+STRAIGHTEDGE = 2.0  # length over which the bow of laths is measured [m]
+MIN_BOW = 1e-4  # bow over this length, or over a shorter lath, below which a lath counts as straight [m]
 PLAN_TEXT = 0.012  # height of the numbers of laths in the plan, relative to its size
 MEANINGS = {
     "CUT": "contour of the strips with their slots, to cut",
@@ -69,7 +71,7 @@ _HEAD = (
 
 
 def schedule_text(schedule: LathSchedule) -> str:
-    """Return the schedule as CSV: one row per node of every lath, or for a lath without any, with conventions as notes in a last column."""
+    """Return the schedule as CSV: one row per node and per end of every lath, with conventions as notes in a last column."""
     return csv_text(_HEAD, (row for lath in schedule.laths for row in _rows(lath, schedule)), _notes(schedule))
 
 
@@ -86,17 +88,20 @@ def _rows(lath: Lath, schedule: LathSchedule) -> list[tuple]:
         "right-handed" if lath.twist > 0.0 else "left-handed",
         " ".join(f"{mm * at:.1f}" for at in lath.splices),
     )
-    if not len(lath.nodes):
-        return [(*about, "", "0.0", *[""] * 6, *(f"{mm * value:.1f}" for value in lath.path[0]))]
-    rows = []
+    first, last = (
+        (*about, "", f"{mm * station:.1f}", *[""] * 6, *(f"{mm * value:.1f}" for value in end))
+        for station, end in ((0.0, lath.path[0]), (lath.length, lath.path[-1]))
+    )
+    rows = [first]
+    reach = min(lath.length * schedule.unit, STRAIGHTEDGE)
     places = zip(lath.nodes.tolist(), lath.stations.tolist(), lath.across.tolist(), np.degrees(lath.angles).tolist())
     bends = zip(lath.bending.tolist(), (mm * lath.points).tolist())
     for (node, station, across, degrees), slot, (bend, point) in zip(places, _slots(lath.angles, schedule).tolist(), bends):
-        straight = abs(bend) < 1e-6 / schedule.unit
+        straight = reach**2 / 8.0 * abs(bend) / schedule.unit < MIN_BOW
         bent = ("", "") if straight else (f"{mm / bend:.0f}", "left" if bend > 0.0 else "right")
         own = (node, f"{mm * station:.1f}", across, f"{degrees:.2f}", f"{slot:.1f}", _side(lath), *bent)
         rows.append((*about, *own, *(f"{value:.1f}" for value in point)))
-    return rows
+    return [*rows, last]
 
 
 def _slots(angles: FloatArray, schedule: LathSchedule) -> FloatArray:
@@ -109,18 +114,27 @@ def _notes(schedule: LathSchedule) -> list[str]:
     near = [f"L{lath.number} at node {node}" for lath in schedule.laths for node in _near_ends(lath, schedule)]
     ends = [f"nodes closer than the width to an end, where the rest of the lath may break off: {', '.join(near)}"] if near else []
     alone = [f"L{lath.number} ({1e3 * schedule.unit * lath.length:.0f} mm)" for lath in schedule.laths if not len(lath.nodes)]
-    single = [f"laths that cross no other lath, with the place of station 0 instead of nodes: {', '.join(alone)}"] if alone else []
+    single = [f"laths that cross no other lath, with their ends alone: {', '.join(alone)}"] if alone else []
     first, second = (_numbers([lath.number for lath in schedule.laths if lath.family == family]) for family in (0, 1))
-    stock = f"of at most {1e3 * schedule.unit * schedule.stock:.1f} mm " if schedule.stock else ""
+    mm, lengths = 1e3 * schedule.unit, [lath.length for lath in schedule.laths]
+    splices = (
+        f"splices: stations at which stock lengths of at most {mm * schedule.stock:.1f} mm meet end to end, empty where the lath is in one "
+        "piece; no overlap or plate is included"
+        if schedule.stock
+        else f"splices: no stock length was given; all laths are in one piece, the longest of {mm * max(lengths):.1f} mm"
+    )
     return [
-        "lengths in mm, angles in degrees; x, y, z: nodes in the coordinates of the model, x and y in plan, z up, with its origin",
+        "lengths in mm, angles in degrees; x, y, z: points on the axis of the lath, at half its width, in the coordinates of the model, x "
+        "and y in plan, z up, with its origin; rows without a node: the two ends of the lath",
         "stations and lengths: along the axis of the lath, at half its width; ends are cut square, at the edge of the surface; edge beams "
         "are not included",
         f"{outside_note(schedule.above)}; the width of the laths lies along the normals",
         "station 0 is the start of a lath, in the drawing its left end and in the plan the end beside its number; left and right: for an "
         "observer outside who looks from station 0 along the lath",
+        f"strips: the lower edge lies inside; the face towards the viewer is the right one; {schedule.unit * sum(lengths):.1f} m in all",
         "twist: rotation about the axis per metre, positive for a right-handed screw: the far end is turned clockwise, seen from station 0",
-        "bending radius: about the weak axis, positive if the lath bends to the left, negative if to the right, empty where it is straight",
+        "bending radius: about the weak axis, positive if the lath bends to the left, negative if to the right, empty where it is "
+        f"straight: where the bow is below {1e3 * MIN_BOW:g} mm over {STRAIGHTEDGE:g} m, or over the length of a shorter lath",
         "angle: counterclockwise seen from outside, from the direction of the lath of family 0 to that of family 1, both from station 0 on",
         "slots: half the width deep, cut square, width along the lath, without clearance; family 0 is slotted from the inside, family 1 "
         "from the outside: lay family 1 first, then set family 0 on it; no holes or bolts are included",
@@ -129,7 +143,7 @@ def _notes(schedule: LathSchedule) -> list[str]:
         *single,
         "stress: bending and stretch of the outer fibres by twisting; shear: by twisting; without loads and safety factors; "
         f"characteristic bending strength of {schedule.material.name}: {1e-6 * schedule.material.strength:g} MPa",
-        f"splices: stations at which stock lengths {stock}meet end to end; no overlap or plate is included",
+        splices,
     ]
 
 
@@ -189,10 +203,8 @@ def draw_laths(schedule: LathSchedule) -> Drawing:
     strips = Drawing(lines, texts, (right, top), "Millimeters").moved([0.0, top - 2.5 * width])
     plan = plan.moved([across + PLAN_GAP * width, top - plan.size[1]])
     corner = f"; its lower left corner lies at x = {low[0]:.1f}, y = {low[1]:.1f} of the model" if is_plan(schedule.view) else ""
-    whole = sum(lath.length for lath in schedule.laths) * schedule.unit
-    about = f"strips: all lengths in mm; the lower edge lies inside; the face towards the viewer is the right one; {whole:.1f} m in all"
     view = view_name(schedule.view, schedule.key.north or (0.0, 1.0))
-    notes = [about, *_notes(schedule), f"the {view} at the right is {seen_from(schedule.view)}{corner}", *curvature_notes(schedule.key)]
+    notes = [*_notes(schedule), f"the {view} at the right is {seen_from(schedule.view)}{corner}", *curvature_notes(schedule.key)]
     both = strips._replace(lines=[*strips.lines, *plan.lines], texts=[*strips.texts, *plan.texts])
     drawing = with_legend(both, MEANINGS, notes, 0.3 * width, across)
     return drawing._replace(size=(across + PLAN_GAP * width + plan.size[0], drawing.size[1]))

@@ -67,7 +67,8 @@ def rebuilt(net, K, path):
     write_net(path, net)
     laths = {}
     for row in csv.DictReader(path.open()):
-        laths.setdefault(int(row["lath"]), []).append(row)
+        if row["node"]:
+            laths.setdefault(int(row["lath"]), []).append(row)
     table = {}
     for number, rows in laths.items():
         table[number] = {
@@ -219,9 +220,11 @@ def test_signs_of_the_schedule_are_those_of_its_notes(net, tmp_path):
     """Twist, sides and angles from the coordinates alone, for an observer outside; the patch is turned by its normals."""
     write_net(tmp_path / "net.laths.csv", net)
     laths = {}
-    for row in csv.DictReader((tmp_path / "net.laths.csv").open()):
-        laths.setdefault(row["lath"], []).append(row)
-    notes = " ".join(row["notes"] for rows in laths.values() for row in rows)
+    table = list(csv.DictReader((tmp_path / "net.laths.csv").open()))
+    for row in table:
+        if row["node"]:
+            laths.setdefault(row["lath"], []).append(row)
+    notes = " ".join(row["notes"] for row in table)
     for word in ("station 0", "right-handed", "positive if the lath bends to the left", "counterclockwise", "origin", "outside"):
         assert word in notes
     along, place = {}, {}
@@ -278,7 +281,30 @@ def test_laths_that_cross_no_other_are_in_the_table_and_named(net):
     alone = first._replace(nodes=none, stations=empty, across=none, angles=empty, bending=empty, points=np.zeros((0, 3)))
     rows = list(csv.DictReader(schedule_text(schedule._replace(laths=[alone, *schedule.laths[1:]])).splitlines()))
     assert {row["lath"] for row in rows} == {str(lath.number) for lath in schedule.laths}
-    (own,) = (row for row in rows if row["lath"] == str(alone.number))
-    assert own["node"] == "" and float(own["length in mm"]) == pytest.approx(1e3 * alone.length, abs=0.06)
-    assert [float(own[f"{axis} in mm"]) for axis in "xyz"] == pytest.approx(1e3 * alone.path[0], abs=0.06)
+    # Every lath has a row for each end, so that one with few nodes can be set out.
+    for lath in (alone, *schedule.laths[1:]):
+        own = [row for row in rows if row["lath"] == str(lath.number)]
+        ends = [row for row in own if row["node"] == ""]
+        assert ends == [own[0], own[-1]] and len(own) == len(lath.nodes) + 2
+        assert [float(row["station in mm"]) for row in ends] == pytest.approx([0.0, 1e3 * lath.length], abs=0.06)
+        places = [[float(row[f"{axis} in mm"]) for axis in "xyz"] for row in ends]
+        assert np.array(places) == pytest.approx(1e3 * lath.path[[0, -1]], abs=0.06)
     assert f"L{alone.number} ({1e3 * alone.length:.0f} mm)" in " ".join(row["notes"] for row in rows)
+
+
+def test_notes_state_splices_reading_and_straight_laths(net):
+    schedule = lath_schedule(net)
+    notes = [
+        " ".join(row["notes"] for row in csv.DictReader(schedule_text(lath_schedule(net, stock=stock)).splitlines())) for stock in (0, 3.0)
+    ]
+    longest = max(lath.length for lath in schedule.laths)
+    assert f"no stock length was given; all laths are in one piece, the longest of {1e3 * longest:.1f} mm" in notes[0]
+    assert "stock lengths of at most 3000.0 mm meet end to end" in notes[1] and "no stock length" not in notes[1]
+    for word in ("the lower edge lies inside; the face towards the viewer is the right one", "on the axis of the lath, at half its width"):
+        assert all(word in text for text in notes)
+    # A bow of 0.1 mm over 2 m is a radius of 5 km.
+    lath = max(schedule.laths, key=lambda own: len(own.nodes))
+    bending = np.resize([1.0 / 4900.0, -1.0 / 5100.0], len(lath.nodes))
+    rows = csv.DictReader(schedule_text(schedule._replace(laths=[lath._replace(bending=bending)])).splitlines())
+    radii = [row["bending radius in mm"] for row in rows if row["node"]]
+    assert lath.length > 2.0 and radii == np.resize(["4900000", ""], len(bending)).tolist()
