@@ -71,7 +71,7 @@ _HEAD = (
 
 
 def schedule_text(schedule: LathSchedule) -> str:
-    """Return the schedule as CSV: one row per node and per end of every lath, with conventions as notes in a last column."""
+    """Return the schedule as CSV: one row per node and per end of every lath, then the conventions as notes."""
     return csv_text(_HEAD, (row for lath in schedule.laths for row in _rows(lath, schedule)), _notes(schedule))
 
 

@@ -31,15 +31,12 @@ _HEAD = ("piece", "from", "to", "kind", "length in space in mm", "length in plan
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]], notes: Sequence[str] = ()) -> str:
-    """Return a table as CSV; a last column holds the notes, one per row, so that every row is still a row of the table."""
+    """Return a table as CSV; notes on the whole table follow in rows of their own, in a last column that is empty in all other rows."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    lines = [list(row) for row in rows]
-    if notes:
-        for k, line in enumerate(lines):
-            # The last row takes the notes for which there are no rows.
-            line.append(" ".join(notes[k:]) if k == len(lines) - 1 else notes[k] if k < len(notes) else "")
-    writer.writerow([escaped(name) for name in (*head, *(["notes"] if notes else []))])
+    lines: list[Sequence[object]] = [[*head, "notes"] if notes else head]
+    lines += [[*row, ""] if notes else row for row in rows]
+    lines += [[*("" for _ in head), note] for note in notes]
     writer.writerows([escaped(value) for value in line] for line in lines)
     return text.getvalue()
 

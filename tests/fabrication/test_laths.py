@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -20,6 +18,7 @@ from compas_cgc.io.nets import write_net
 
 from ..support.constant_curvature import revolved_patch
 from ..support.shapes import grid
+from ..support.tables import rows_and_notes
 
 STEPS = 8  # of integration between two nodes
 
@@ -66,7 +65,7 @@ def rebuilt(net, K, path):
     """Return the distances of the nodes of a net from those rebuilt from its schedule alone (k,) [mm]."""
     write_net(path, net)
     laths = {}
-    for row in csv.DictReader(path.open()):
+    for row in rows_and_notes(path.open())[0]:
         if row["node"]:
             laths.setdefault(int(row["lath"]), []).append(row)
     table = {}
@@ -220,11 +219,11 @@ def test_signs_of_the_schedule_are_those_of_its_notes(net, tmp_path):
     """Twist, sides and angles from the coordinates alone, for an observer outside; the patch is turned by its normals."""
     write_net(tmp_path / "net.laths.csv", net)
     laths = {}
-    table = list(csv.DictReader((tmp_path / "net.laths.csv").open()))
+    table, sentences = rows_and_notes((tmp_path / "net.laths.csv").open())
     for row in table:
         if row["node"]:
             laths.setdefault(row["lath"], []).append(row)
-    notes = " ".join(row["notes"] for row in table)
+    notes = " ".join(sentences)
     for word in ("station 0", "right-handed", "positive if the lath bends to the left", "counterclockwise", "origin", "outside"):
         assert word in notes
     along, place = {}, {}
@@ -279,7 +278,7 @@ def test_laths_that_cross_no_other_are_in_the_table_and_named(net):
     none, empty = np.zeros(0, np.int64), np.zeros(0)
     first = schedule.laths[0]
     alone = first._replace(nodes=none, stations=empty, across=none, angles=empty, bending=empty, points=np.zeros((0, 3)))
-    rows = list(csv.DictReader(schedule_text(schedule._replace(laths=[alone, *schedule.laths[1:]])).splitlines()))
+    rows, notes = rows_and_notes(schedule_text(schedule._replace(laths=[alone, *schedule.laths[1:]])).splitlines())
     assert {row["lath"] for row in rows} == {str(lath.number) for lath in schedule.laths}
     # Every lath has a row for each end, so that one with few nodes can be set out.
     for lath in (alone, *schedule.laths[1:]):
@@ -289,14 +288,12 @@ def test_laths_that_cross_no_other_are_in_the_table_and_named(net):
         assert [float(row["station in mm"]) for row in ends] == pytest.approx([0.0, 1e3 * lath.length], abs=0.06)
         places = [[float(row[f"{axis} in mm"]) for axis in "xyz"] for row in ends]
         assert np.array(places) == pytest.approx(1e3 * lath.path[[0, -1]], abs=0.06)
-    assert f"L{alone.number} ({1e3 * alone.length:.0f} mm)" in " ".join(row["notes"] for row in rows)
+    assert f"L{alone.number} ({1e3 * alone.length:.0f} mm)" in " ".join(notes)
 
 
 def test_notes_state_splices_reading_and_straight_laths(net):
     schedule = lath_schedule(net)
-    notes = [
-        " ".join(row["notes"] for row in csv.DictReader(schedule_text(lath_schedule(net, stock=stock)).splitlines())) for stock in (0, 3.0)
-    ]
+    notes = [" ".join(rows_and_notes(schedule_text(lath_schedule(net, stock=stock)).splitlines())[1]) for stock in (0, 3.0)]
     longest = max(lath.length for lath in schedule.laths)
     assert f"no stock length was given; all laths are in one piece, the longest of {1e3 * longest:.1f} mm" in notes[0]
     assert "stock lengths of at most 3000.0 mm meet end to end" in notes[1] and "no stock length" not in notes[1]
@@ -305,6 +302,6 @@ def test_notes_state_splices_reading_and_straight_laths(net):
     # A bow of 0.1 mm over 2 m is a radius of 5 km.
     lath = max(schedule.laths, key=lambda own: len(own.nodes))
     bending = np.resize([1.0 / 4900.0, -1.0 / 5100.0], len(lath.nodes))
-    rows = csv.DictReader(schedule_text(schedule._replace(laths=[lath._replace(bending=bending)])).splitlines())
+    rows, _ = rows_and_notes(schedule_text(schedule._replace(laths=[lath._replace(bending=bending)])).splitlines())
     radii = [row["bending radius in mm"] for row in rows if row["node"]]
     assert lath.length > 2.0 and radii == np.resize(["4900000", ""], len(bending)).tolist()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from dataclasses import replace
 
@@ -16,6 +15,7 @@ import compas_cgc
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
+from compas_cgc.fabrication.panel_schedule import NOTES
 from compas_cgc.fabrication.panel_schedule import PanelSide
 from compas_cgc.fabrication.panel_schedule import panel_sheets
 from compas_cgc.fabrication.panel_schedule import panel_totals
@@ -25,6 +25,8 @@ from compas_cgc.plot import moulds_figure
 from compas_cgc.plot.panel_sheets import _pages
 from compas_cgc.plot.panel_sheets import panel_figure
 from compas_cgc.plot.panel_sheets import save_panel_sheets
+
+from ..support.tables import rows_and_notes
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +61,7 @@ def test_sides_are_the_seams_with_the_neighbours(report):
 
 def test_the_table_has_one_row_per_panel_in_millimetres(report):
     sheets = panel_sheets(*report)
-    rows = list(csv.DictReader(io.StringIO(schedule_text(sheets))))
+    rows, _ = rows_and_notes(io.StringIO(schedule_text(sheets)))
     assert [row["panel"] for row in rows] == [own.fit.panel.name for own in sheets]
     for row, own in zip(rows, sheets):
         assert [float(text) for text in row["sides in mm"].split()] == pytest.approx([side.length for side in own.sides], abs=0.06)
@@ -76,8 +78,8 @@ def test_the_table_has_one_row_per_panel_in_millimetres(report):
 
 def test_the_table_explains_its_columns_and_compares_stress_with_strength(report):
     problem, made = report
-    rows = list(csv.DictReader(io.StringIO(schedule_text(panel_sheets(problem, made)))))
-    notes = " ".join(row["notes"] for row in rows)
+    rows, sentences = rows_and_notes(io.StringIO(schedule_text(panel_sheets(problem, made))))
+    notes = " ".join(sentences)
     for word in ("rise: ", "diagonals: ", "sides: ", "mould radius: ", "bending stress: ", "lengths in mm"):
         assert word in notes
     for row, fit in zip(rows, made.panels):
@@ -93,7 +95,7 @@ def test_the_schedule_has_the_number_and_area_of_all_panels_and_of_every_mould(r
     area = face_areas(problem.vertices, problem.faces).sum()
     mould = "K = 0.01 1/m², radius 10000.0 mm"
     assert panel_totals(sheets) == f"total: {len(sheets)} panels, {area:.3f} m²; mould 1: {mould}"
-    assert next(csv.DictReader(io.StringIO(schedule_text(sheets))))["notes"] == panel_totals(sheets)
+    assert rows_and_notes(io.StringIO(schedule_text(sheets)))[1] == [panel_totals(sheets), *NOTES]
     two = [own._replace(fit=replace(own.fit, mould=2)) if k < 3 else own for k, own in enumerate(sheets)]
     own = sum(sheet.area for sheet in sheets[:3])
     first, second = f"{len(sheets) - 3} panels, {area - own:.3f} m²", f"3 panels, {own:.3f} m²"
@@ -144,7 +146,7 @@ def test_remarks_name_panels_whose_largest_stress_has_no_limit_and_short_seams(r
     problem, made = report
     sheets = panel_sheets(problem, made)
     assert {own.fit.panel.name for own in sheets if own.remarks} == {fit.panel.name for fit in made.panels if fit.singular} != set()
-    rows = {row["panel"]: row for row in csv.DictReader(io.StringIO(schedule_text(sheets)))}
+    rows = {row["panel"]: row for row in rows_and_notes(io.StringIO(schedule_text(sheets)))[0]}
     for own in sheets:
         assert ("unbounded" in rows[own.fit.panel.name]["remarks"]) == own.fit.singular
     short = sheets[0]._replace(sides=[side._replace(length=60.0) for side in sheets[0].sides])

@@ -1,6 +1,5 @@
 """Plane quads: layout, planarity, faces and beams, files."""
 
-import csv
 import json
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
@@ -32,6 +31,7 @@ from compas_cgc.model.problem import CGCProblem
 from tests.support.constant_curvature import revolved_patch
 from tests.support.exact_surfaces import SURFACES
 from tests.support.shapes import grid
+from tests.support.tables import rows_and_notes
 
 
 def _oval():
@@ -288,9 +288,9 @@ def test_the_command_writes_faces_and_beams(tmp_path):
     assert main(["quads", str(tmp_path / "solved.3dm"), "--spacing", "0.8", "--depth", "0.1", "-q", *outputs]) == 0
     data = json.loads((tmp_path / "q.json").read_text())
     with open(tmp_path / "q.csv") as file:
-        faces = list(csv.DictReader(file))
+        faces = rows_and_notes(file)[0]
     with open(tmp_path / "q.beams.csv") as file:
-        beams = list(csv.DictReader(file))
+        beams = rows_and_notes(file)[0]
     assert len(faces) == len(data["faces"]) and len(beams) == len(data["beams"])
     vertices = 1e3 * np.array(data["vertices"])
     for row, face in zip(faces, data["faces"]):

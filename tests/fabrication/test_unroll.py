@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 import xml.etree.ElementTree as ElementTree
 import zipfile
@@ -50,6 +49,7 @@ from ..support.constant_curvature import revolved_patch
 from ..support.shapes import grid
 from ..support.shapes import icosphere
 from ..support.shapes import torus
+from ..support.tables import rows_and_notes
 
 SHEET = (3.0, 1.5)
 TEXTS = ("NODE", "LABEL", "RULING", "SEAM")  # layers with texts on pieces
@@ -234,7 +234,7 @@ def test_allowances_are_mitred():
 
 def test_the_cut_list_says_what_a_workshop_asks(cut, tmp_path):
     (path,) = write_patterns(tmp_path / "cut.list.csv", cut)
-    rows = list(csv.DictReader(path.open()))
+    rows, _ = rows_and_notes(path.open())
     assert {row["piece"]: int(row["sheet"]) - 1 for row in rows} == {piece.label: piece.sheet for piece in cut.pieces}
     assert sum(float(row["area in m2"]) for row in rows) == pytest.approx(cut.area, abs=1e-3 * len(rows))
     for row, piece in ((row, piece) for row in rows for piece in cut.pieces if piece.label == row["piece"]):
@@ -391,7 +391,7 @@ def test_every_format_holds_the_pieces(cut, suffix, tmp_path):
     path = tmp_path / f"cut{suffix}"
     write_patterns(path, cut)
     if suffix == ".csv":
-        rows = list(csv.DictReader(path.open()))
+        rows, _ = rows_and_notes(path.open())
         assert {row["piece"] for row in rows} == {piece.label for piece in cut.pieces}
         assert max(abs(float(row["length in space in mm"]) / float(row["length in plane in mm"]) - 1) for row in rows) < 1e-11
         assert {row["seam"] for row in rows} - {""} == {str(seam.number) for seam in cut.seams}
@@ -621,13 +621,13 @@ def test_the_cut_list_states_bending_strain_and_seams_of_curved_pieces():
     K = 0.04
     problem = CGCProblem(*revolved_patch(20, K, radius=3.0)).with_supports("boundary").with_targets(K)
     own = unroll(problem, SHEET)
-    rows = list(csv.DictReader(cut_list_text(own).splitlines()))
+    rows, _ = rows_and_notes(cut_list_text(own).splitlines())
     # The smaller principal radius is that of the parallels, of 3 m along the middle and less towards the ends.
     assert {row["bends"] for row in rows} == {"away"}
     radii = [float(row["least bending radius in mm"]) for row in rows]
     assert 2000.0 < min(radii) <= max(radii) < 3000.0 * 1.01
     saddle = unroll(CGCProblem(*revolved_patch(20, -K)).with_supports("boundary").with_targets(-K), SHEET)
-    assert {row["bends"] for row in csv.DictReader(cut_list_text(saddle).splitlines())} == {"away towards"}
+    assert {row["bends"] for row in rows_and_notes(cut_list_text(saddle).splitlines())[0]} == {"away towards"}
     strains = {piece.label: 100 * piece.strain for piece in own.pieces}
     assert {row["piece"]: float(row["strain in %"]) for row in rows} == pytest.approx(strains, abs=6e-4)
     for row in rows:
@@ -802,7 +802,7 @@ def test_numbers_of_nodes_are_clear_of_all_other_texts():
 
 def test_the_cut_list_names_pieces_that_no_ruling_crosses():
     own = unroll(solve(read(get("vault.3dm"))), (3.0, 1.5), margin=0.02)
-    rows = list(csv.DictReader(cut_list_text(own).splitlines()))
+    rows, notes = rows_and_notes(cut_list_text(own).splitlines())
     ruled = {own.pieces[ruling.piece].label for ruling in own.rulings}
     by_hand = {row["piece"] for row in rows if row["bends"] == "as neighbours"}
     assert (
@@ -811,7 +811,7 @@ def test_the_cut_list_names_pieces_that_no_ruling_crosses():
         == {row["piece"] for row in rows} - ruled
         != set()
     )
-    assert "as neighbours: no radius is known" in " ".join(row["notes"] for row in rows)
+    assert "as neighbours: no radius is known" in " ".join(notes)
     legend = " ".join(own.text for own in draw_sheets(own).texts if own.layer == "LEGEND")
     assert "by hand until its seams meet those of its neighbours" in legend
 

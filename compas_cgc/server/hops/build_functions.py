@@ -127,7 +127,8 @@ def _unroll_outputs(problem: CGCProblem, patterns: Any) -> list[dict]:
         entry("Strains", "Number", [piece.strain for piece in patterns.pieces]),
         entry("Allowances", "Curve", lines.get("CUT", []) if "OUTLINE" in lines else []),
         entry("Sheet", "Integer", [piece.sheet for piece in patterns.pieces]),
-        entry("CutList", "Text", cut_list_text(patterns).splitlines()),
+        # Hops strips quotation marks from the ends of a text, which would join a quoted note with the next row.
+        entry("CutList", "Text", [f"{row} " if row.endswith('"') else row for row in cut_list_text(patterns).splitlines()]),
     ]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import gc
 import sys
 import threading
@@ -32,6 +31,7 @@ from ...support.gh_stand_ins import rhino  # noqa: F401
 from ...support.gh_stand_ins import square
 from ...support.server_process import PATIENCE
 from ...support.server_process import wait_for
+from ...support.tables import rows_and_notes
 from .test_solve import until_done
 
 pytestmark = pytest.mark.usefixtures("rhino")
@@ -318,7 +318,7 @@ def test_cut_sheets_state_material_and_thickness_and_leave_room_for_the_kerf(tmp
     placed = place("Unroll")
     out = placed.settle(cgc_mesh=WireMesh(vault(9)), **given)
     assert not placed.said("Error") and "material: birch plywood, 9 mm thick" in out["report"]
-    for rows in (list(csv.DictReader(out["cut_list"])), list(csv.DictReader(path.open()))):
+    for rows in (rows_and_notes(out["cut_list"])[0], rows_and_notes(path.open())[0]):
         assert {(row["material"], row["thickness in mm"]) for row in rows} == {("birch plywood", "9")} and len(rows) == len(out["pieces"])
     assert len(out["allowances"]) == len(out["outlines"]) > 0 and not placed.settle(cgc_mesh=WireMesh(vault(9)), kerf=0.0)["allowances"]
 
