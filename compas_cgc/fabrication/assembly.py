@@ -45,12 +45,14 @@ SEAM_PLACES = (0.2, 0.8, 0.35, 0.65, 0.1, 0.9, 0.5)  # along a seam, where its n
 NAME_SHARES = (0.55, 0.9)  # height of a name relative to the room of its piece: usually, and at most where names would be unreadable
 SEAM_SIZES = np.array([1.0, 0.7, 0.5])  # heights of the number of a seam that are tried, relative to the usual one
 VIEW_GAP = 4.0  # between views, relative to the height of the texts
+SUPPORT_SIZE = 0.3  # of the triangle at a support, relative to the height of the texts
 SEAM_TEXT = 0.15  # height of the number of a seam, relative to its length in plan
 MEANINGS = {
     "OUTLINE": "edges of the pieces",
     "LABEL": "name of the piece (A1 in region 0, B1 in region 1 and so on, or as the panel of the moulds), and in brackets its course: 1 "
     "for pieces on supports, 2 for their neighbours, and so on; with a line to narrow pieces",
     "SEAM": "number of the seam, as on the sheets, beside it, or with a line to a short seam",
+    "MARK": "triangle with its tip at a supported point",
 }
 
 
@@ -70,12 +72,17 @@ def courses(patterns: Patterns) -> list[int]:
     In a connected part without supports the lowest piece has course 1.
     """
     own = patterns.patchwork
-    held = np.isin(own.names, patterns.problem.names.vertices[patterns.problem.supports])
+    held = _held(patterns)
     count = len(patterns.pieces)
     stands = np.bincount(own.piece, held[own.faces].any(axis=1), count) > 0
     lowest = np.full(count, np.inf)
     np.minimum.at(lowest, own.piece, own.space[own.faces][..., 2].min(axis=1))
     return numbered_courses(stands, lowest, neighbours(patterns))
+
+
+def _held(patterns: Patterns) -> Mask:
+    """Return the mask of nodes on supports."""
+    return np.isin(patterns.patchwork.names, patterns.problem.names.vertices[patterns.problem.supports])
 
 
 def numbered_courses(stands: Mask, lowest: FloatArray, beside: list[list[int]]) -> list[int]:
@@ -148,6 +155,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
     notes = [
         f"drawn 1:1, {seen_from(first)}{corner}",
         "pieces lie on their sheets turned; the numbers of seams show how",
+        "heights: see the pieces in place, in the separate file -o NAME.3dm",
     ]
     if len(used) > 1:
         notes.append("steep pieces are drawn in the elevation from the side to which they face instead of in the plan")
@@ -188,6 +196,10 @@ def _view(patterns: Patterns, axes: FloatArray, chosen: IntArray, numbers: list[
     sides = sides_of([line.points for line in lines])
     usual = 0.4 * height
     boxes = [text_box(own.text, own.place, own.height) for own in texts.values() if own.height >= READABLE * height]
+    used = np.unique(own.faces[np.isin(own.piece, chosen)])
+    supports = [_support(point, 0.5 * size, SUPPORT_SIZE * height) for point in plan[used[_held(patterns)[used]]]]
+    lines += [Line("MARK", triangle, True) for triangle in supports]
+    boxes += [np.array([triangle.min(axis=0), triangle.max(axis=0)]) for triangle in supports]
     for number, label in texts.items():
         if label.height < READABLE * height:
             places = around(label.place, label.text, READABLE * height, size)
@@ -216,6 +228,13 @@ def _view(patterns: Patterns, axes: FloatArray, chosen: IntArray, numbers: list[
     tall = height if about else min(height, float(size[0]) / (LETTER_WIDTH * len(title)))
     titled = Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), tall)
     return Drawing(lines, [*texts.values(), *numbered, titled], (float(size[0]), float(size[1])), patterns.problem.drawing.units)
+
+
+def _support(tip: FloatArray, middle: FloatArray, size: float) -> FloatArray:
+    """Return a triangle (3, 2) with its tip at a support, which points away from the middle of the view [L]."""
+    inward = (middle - tip) / max(float(np.linalg.norm(middle - tip)), np.finfo(float).tiny)
+    across = 0.5 * size * np.array([-inward[1], inward[0]])
+    return np.array([tip, tip + size * inward + across, tip + size * inward - across])
 
 
 def _beside(path: FloatArray, text: str, size: float) -> list[FloatArray]:

@@ -33,7 +33,7 @@ NAME_HEIGHT = 0.3  # of the number of a lath on its strip, relative to its width
 TITLE_HEIGHT = 0.6  # of the title above the strips, relative to their width
 NODE_ROOM = 0.8  # length of the text of a node on a strip, relative to its width
 STRAIGHTEDGE = 2.0  # length over which the bow of laths is measured [m]
-MIN_BOW = 1e-4  # bow over this length, or over a shorter lath, below which a lath counts as straight [m]
+MIN_BOW = 5e-4  # bow over this length, or over a shorter lath, below which a lath counts as straight: the width of a pencil line [m]
 PLAN_TEXT = 0.012  # height of the numbers of laths in the plan, relative to its size
 MEANINGS = {
     "CUT": "contour of the strips with their slots, to cut",

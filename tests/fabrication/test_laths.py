@@ -299,9 +299,9 @@ def test_notes_state_splices_reading_and_straight_laths(net):
     assert "stock lengths of at most 3000.0 mm meet end to end" in notes[1] and "no stock length" not in notes[1]
     for word in ("the lower edge lies inside; the face towards the viewer is the right one", "on the axis of the lath, at half its width"):
         assert all(word in text for text in notes)
-    # A bow of 0.1 mm over 2 m is a radius of 5 km.
+    # A bow of 0.5 mm over 2 m is a radius of 1 km.
     lath = max(schedule.laths, key=lambda own: len(own.nodes))
-    bending = np.resize([1.0 / 4900.0, -1.0 / 5100.0], len(lath.nodes))
+    bending = np.resize([1.0 / 990.0, -1.0 / 1010.0], len(lath.nodes))
     rows, _ = rows_and_notes(schedule_text(schedule._replace(laths=[lath._replace(bending=bending)])).splitlines())
     radii = [row["bending radius in mm"] for row in rows if row["node"]]
-    assert lath.length > 2.0 and radii == np.resize(["4900000", ""], len(bending)).tolist()
+    assert lath.length > 2.0 and radii == np.resize(["990000", ""], len(bending)).tolist()

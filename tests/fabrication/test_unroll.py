@@ -270,6 +270,14 @@ def test_the_plan_has_every_piece_in_its_place(cut):
     ]
     apart = [(np.abs(a - b) > x + y).any() for k, (a, x) in enumerate(boxes) for b, y in boxes[:k]]
     assert all(apart)
+    # A triangle points to every support, and the legend states where heights are.
+    problem = cut.problem
+    tips = {tuple(np.round(line.points[0], 9)) for line in drawing.lines if line.layer == "MARK"}
+    assert tips == {tuple(place) for place in np.round((problem.vertices - problem.vertices.min(axis=0))[problem.supports, :2], 9).tolist()}
+    legend = " ".join(text.text for text in drawing.texts if text.layer == "LEGEND")
+    assert (
+        "MARK: triangle with its tip at a supported point" in legend and "heights: see the pieces in place, in the separate file" in legend
+    )
     shapely = pytest.importorskip("shapely")
     places = {piece.label: shapely.Polygon(points) for piece, points in zip(cut.pieces, outlines)}
     leaders = [line.points for line in drawing.lines if line.layer == "LABEL"]
