@@ -136,7 +136,7 @@ def _write_schedule(path: Path, problem: CGCProblem, report: MouldReport, name: 
     if path.suffix.lower() == ".pdf":
         from ..plot.panel_sheets import save_panel_sheets
 
-        return save_panel_sheets(sheets, path, f"{name}, {report.thickness:g} mm {report.material.name}:", problem.drawing.north)
+        return save_panel_sheets(sheets, path, f"{name}, {report.thickness:g} mm {report.material.title}:", problem.drawing.north)
     write_text(path, schedule_text(sheets))
     return path
 

@@ -42,6 +42,11 @@ class Material(NamedTuple):
     strength: float  # characteristic bending strength without safety factor [Pa]
     ductile: bool = False  # whether the strength limits the von Mises stress too
 
+    @property
+    def title(self) -> str:
+        """Name for readers, with abbreviations in full."""
+        return "glass-fibre reinforced plastic (gfrp)" if self.name == "gfrp" else self.name
+
 
 # Annealed float glass EN 572 and EN 16612; steel S235, EN 1993-1-1; a glass-fibre laminate EN 13706 E23; timber C24, EN 338.
 MATERIALS = {

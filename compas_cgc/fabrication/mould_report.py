@@ -214,7 +214,7 @@ class MouldReport:
                 f"{self.edges} of the moulds",
                 K_MEANING,
                 *(line for own in self.moulds for line in self._lines(own)),
-                f"bending stress on 95 % of the area: at most {two_digits(self.stress_95)} MPa{self._elsewhere()}",
+                f"bending stress on 95 % of the area of all panels together: at most {two_digits(self.stress_95)} MPa{self._elsewhere()}",
                 *self._singular(),
                 *self._short(),
                 f"panels are drawn as flat triangles, whose edges lie up to {_length(max(own.sag for own in self.panels))} from the smooth "
@@ -233,7 +233,7 @@ class MouldReport:
         thinner = f"{self.thickness * strength / most:.2g} mm"
         # Stress is proportional to the stiffness of the plate for the same change of curvature.
         others = [
-            other.name
+            other.title
             for other in MATERIALS.values()
             if most * other.modulus / (1.0 - other.poisson**2) / (own.modulus / (1.0 - own.poisson**2)) <= other.strength
         ]
@@ -242,10 +242,11 @@ class MouldReport:
         names = [f"{fit.panel.name} ({two_digits(self.bending_radius(fit))} m, {two_digits(fit.stress_95)} MPa)" for fit in order]
         return [
             f"NOT BUILDABLE like this: {len(broken)} of {counted(len(self.panels), 'panel')} are bent beyond the strength of "
-            f"{self.thickness:g} mm {own.name}, up to {100 * most / strength:.0f} % of it on 95 % of their area "
-            f"({two_digits(1e-6 * most)} of {1e-6 * strength:g} MPa, without safety factor). Panels, with the radius of a flat sheet of "
-            f"the same stress: {listed(names, SCHEDULE)}. Make these panels in their final shape (hot bending, casting) instead of bending "
-            f"them from a mould of constant K, use sheets of at most {thinner}{how}"
+            f"{self.thickness:g} mm {own.title}, up to {100 * most / strength:.0f} % of it on 95 % of the area of the worst panel alone "
+            f"({two_digits(1e-6 * most)} of {1e-6 * strength:g} MPa, without safety factor). Panels, each with the radius of the cylinder "
+            f"to which a flat sheet would be bent to reach the same stress, and this stress: {listed(names, SCHEDULE)}. Make these panels "
+            "in their final shape (hot bending, casting) instead of bending them from a mould of constant K, use sheets of at most "
+            f"{thinner}{how}"
         ]
 
     def _elsewhere(self) -> str:
@@ -291,8 +292,9 @@ class MouldReport:
         if changes:
             part = 1e6 * max(stresses) / self.material.strength
             lines.append(
-                f"  bending changes their curvature by {_spread(changes, '1/m')}; stress in {self.thickness:g} mm of {self.material.name}: "
-                f"{_spread(stresses, 'MPa')}, {100 * part:.0f} % of the characteristic strength without safety factor"
+                f"  bending changes their curvature by {_spread(changes, '1/m')}; stress in {self.thickness:g} mm of "
+                f"{self.material.title}: {_spread(stresses, 'MPa')}, {100 * part:.0f} % of the characteristic strength without safety "
+                "factor"
             )
         if mould.K:
             wide, strip = widest_panel(mould.K, STRAIN), widest_panel(mould.K, STRAIN, LONG_ASPECT)

@@ -57,7 +57,11 @@ def test_moulds_panels_and_labels_on_layers(solved, result, tmp_path, capsys):
     given = ["mould", str(solved), "-o", str(output), "--size", "2.5", "--material", "gfrp", "--thickness", "8", "--report", str(figures)]
     assert main(given) == 0
     said = capsys.readouterr().out
-    assert "36 panels on 2 moulds" in said and "8 mm of gfrp" in said and f"wrote {tmp_path / 'moulds.pdf'}" in said
+    assert (
+        "36 panels on 2 moulds" in said
+        and "8 mm of glass-fibre reinforced plastic (gfrp)" in said
+        and f"wrote {tmp_path / 'moulds.pdf'}" in said
+    )
     assert (tmp_path / "moulds.pdf").read_bytes().startswith(b"%PDF")
     record = json.loads(figures.read_text(encoding="utf-8"))
     found, file = things(output)

@@ -15,6 +15,6 @@ def test_the_example_on_moulds(capsys):
     (example,) = (own for own in re.findall(r"```py\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL) if "moulds(" in own)
     exec(compile(example, str(PAGE), "exec"), {})
     said = capsys.readouterr().out
-    assert "in the exact measure" in said and "144 panels on 2 moulds" in said and "8 mm of gfrp" in said
+    assert "in the exact measure" in said and "144 panels on 2 moulds" in said and "8 mm of glass-fibre reinforced plastic (gfrp)" in said
     error, gap = map(float, said.splitlines()[1].split())
     assert error < 1e-11 and gap < 1e-11

@@ -13,8 +13,10 @@ from shapely import affinity
 
 import compas_cgc
 from compas_cgc.discrete import face_areas
+from compas_cgc.fabrication import MATERIALS
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
+from compas_cgc.fabrication.figures import two_digits
 from compas_cgc.fabrication.panel_schedule import NOTES
 from compas_cgc.fabrication.panel_schedule import PanelSide
 from compas_cgc.fabrication.panel_schedule import panel_sheets
@@ -116,8 +118,12 @@ def test_panels_that_would_break_come_first_with_remedies_that_hold(report):
     assert first.startswith(f"NOT BUILDABLE like this: {len(names)} of") and "110 % of it" in first and all(name in first for name in names)
     sheets = panel_sheets(problem, broken)
     assert [own.fit.panel.name for own in sheets if own.used > 1.0] == names
-    stronger = [name for name in ("steel", "gfrp", "timber") if f" {name}" in first.split("use sheets")[1]]
-    assert stronger
+    worst = max(broken.overstressed, key=lambda fit: fit.stress_95)
+    own = f"{worst.panel.name} ({two_digits(broken.bending_radius(worst))} m, {two_digits(worst.stress_95)} MPa)"
+    assert "of the worst panel alone" in first and f"bent to reach the same stress, and this stress: {own}" in first
+    assert f"95 % of the area of all panels together: at most {two_digits(broken.stress_95)} MPa" in str(broken)
+    stronger = [name for name in ("steel", "gfrp", "timber") if MATERIALS[name].title in first.split("use sheets")[1]]
+    assert "glass-fibre reinforced plastic (gfrp)" in first and "gfrp" in stronger
     for name in stronger:
         assert not moulds(problem, [fit.panel for fit in made.panels], thickness=thick, material=name).overstressed
 
