@@ -62,7 +62,8 @@ MEANINGS = {
     "FOLD_DOWN": "fold line, engraved; valley, both sides bend towards the viewer",
     "RULING": "line along the piece that stays straight, across which it is rolled; to engrave or draw with its text, not to cut; R: "
     "bending radius in mm at the middle of the line; away: the piece beside the line bends away from the viewer, towards: to the viewer",
-    "MARK": "tick to engrave; it lies against the tick of the same seam on the neighbouring piece",
+    "MARK": "tick to engrave; it lies against the tick of the same seam on the neighbouring piece, or where two seams meet on a straight "
+    "side, against the corner between the two neighbours",
     "LABEL": "name of the piece, to engrave",
     "SEAM": "number of the seam / name of the piece beyond it, to engrave, with a line where there is no room beside the seam; sides "
     "without one are edges of the roof",
@@ -71,6 +72,7 @@ MEANINGS = {
 }
 CHORDS = "cut as drawn, straight from point to point, not as a smooth curve: both pieces at a seam have the same points"
 MARK_LENGTH = 0.012  # relative to the sheet length
+MAX_JOINT_TURN = np.radians(30.0)  # of an outline at a joint of two seams that gets a tick; larger ones are corners
 MIN_FOLD = np.radians(1.0)  # least angle of an edge that is drawn as a fold
 TEXT_SIZES = np.array([0.7, 0.5, 0.35, 0.25])  # heights of the texts at rulings, relative to the text height, the first that fits
 PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # along a ruling, where its text is tried in this order
@@ -132,7 +134,8 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             tall = min(2.0 * height, x / (LETTER_WIDTH * len(title)))
             texts.append(Text("SHEET", title, origin + [0.5 * x, y + 2.0 * height], tall))
     names, is_fold = patterns.patchwork.names, folded(patterns, fold)
-    ticked: list[set[int]] = [set() for _ in patterns.pieces]
+    joints = _joint_ticks(patterns, mark)
+    ticked = [set(own) for own in joints]
     for seam in patterns.seams:
         for side in seam.pieces:
             ticked[side].update(seam.nodes[_marks_of(seam, mark).nodes].tolist())
@@ -159,7 +162,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             origin = origins[patterns.pieces[ruling.piece].sheet]
             lines.append(Line("RULING", ruling.points + origin))
             texts += _radius(patterns, ruling, height, origin, taken[ruling.piece])
-    drawn_seams = _drawn_seams(patterns, origins, labels, taken, mark, height)
+    drawn_seams = _drawn_seams(patterns, origins, labels, taken, joints, mark, height)
     lines, texts = [*lines, *drawn_seams[0]], [*texts, *drawn_seams[1]]
     for number, piece in enumerate(patterns.pieces):
         if nodes and piece.sheet in origins:
@@ -177,7 +180,13 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
 
 
 def _drawn_seams(
-    patterns: Patterns, origins: Mapping[int, FloatArray], labels: FloatArray, taken: list[list[FloatArray]], mark: float, height: float
+    patterns: Patterns,
+    origins: Mapping[int, FloatArray],
+    labels: FloatArray,
+    taken: list[list[FloatArray]],
+    joints: list[dict[int, FloatArray]],
+    mark: float,
+    height: float,
 ) -> tuple[list[Line], list[Text]]:
     """Return the ticks of seams on drawn sheets, and the numbers of seams where there is room.
 
@@ -191,11 +200,17 @@ def _drawn_seams(
         ``(p, 2, 2)`` boxes of the names of pieces [L].
     taken
         Boxes of texts by piece, to which those of the numbers are added [L].
+    joints
+        ``(2, 2)`` ticks at joints of seams by node, of every piece [L].
     mark, height
         Length of ticks and height of texts [L].
     """
     lines, texts, numbers = list[Line](), list[Text](), list[tuple[int, Seam, int, Text]]()
     segments = [sides_of([loop.points for loop in piece.loops]) for piece in patterns.pieces]
+    for number, (piece, own) in enumerate(zip(patterns.pieces, joints)):
+        if own and piece.sheet in origins:
+            segments[number] = np.concatenate([segments[number], list(own.values())])
+            lines += [Line("MARK", points + origins[piece.sheet]) for points in own.values()]
     for seam in patterns.seams:
         for side, number in enumerate(seam.pieces):
             if patterns.pieces[number].sheet not in origins:
@@ -326,7 +341,7 @@ def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, he
     """Return the node numbers of an outline, inside it and its marks, without those too small to read."""
     ahead, back = np.roll(loop.points, -1, axis=0) - loop.points, loop.points - np.roll(loop.points, 1, axis=0)
     near = np.minimum(np.linalg.norm(ahead, axis=1), np.linalg.norm(back, axis=1))
-    inward = _unit(np.column_stack([-(_unit(ahead) + _unit(back))[:, 1], (_unit(ahead) + _unit(back))[:, 0]]))
+    inward = _inward(loop.points)
     # Along a bisector the distance to the sides is shorter.
     slant = np.clip(np.abs(np.einsum("ij,ij->i", inward, np.column_stack([-_unit(ahead)[:, 1], _unit(ahead)[:, 0]]))), 0.3, 1.0)
     texts = []
@@ -337,6 +352,33 @@ def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, he
             away = clearance(text, size, direction) / share + (mark if node in ticked else 0.0)
             texts.append(Text("NODE", text, point + away * direction, size))
     return texts
+
+
+def _joint_ticks(patterns: Patterns, mark: float) -> list[dict[int, FloatArray]]:
+    """Return the ticks (2, 2) at the nodes of every piece where two of its seams meet and its outline has no corner [L]."""
+    ends: list[list[int]] = [[] for _ in patterns.pieces]
+    for seam in patterns.seams:
+        for number in seam.pieces:
+            ends[number] += seam.nodes[[0, -1]].tolist()
+    found = list[dict[int, FloatArray]]()
+    for piece, own in zip(patterns.pieces, ends):
+        nodes, counts = np.unique(np.array(own, dtype=np.int64), return_counts=True)
+        ticks = dict[int, FloatArray]()
+        for loop in piece.loops:
+            ahead = _unit(np.roll(loop.points, -1, axis=0) - loop.points)
+            straight = (ahead * np.roll(ahead, 1, axis=0)).sum(axis=1) > np.cos(MAX_JOINT_TURN)
+            inward = _inward(loop.points)
+            for k in np.flatnonzero(straight & np.isin(loop.nodes, nodes[counts > 1])).tolist():
+                ticks[int(loop.nodes[k])] = np.array([loop.points[k], loop.points[k] + mark * inward[k]])
+        found.append(ticks)
+    return found
+
+
+def _inward(points: FloatArray) -> FloatArray:
+    """Return the unit bisectors (k, 2) at the points (k, 2) of an outline, to the left of it."""
+    ahead = _unit(np.roll(points, -1, axis=0) - points)
+    x, y = (ahead + np.roll(ahead, 1, axis=0)).T
+    return _unit(np.column_stack([-y, x]))
 
 
 class _Marks(NamedTuple):

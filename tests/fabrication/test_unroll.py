@@ -449,7 +449,18 @@ READERS = {".dxf": read_dxf, ".svg": read_svg, ".3dm": read_layers}
 def test_marks_stand_at_the_same_nodes_on_both_sides(cut):
     drawing = draw_sheets(cut)
     marks = [line for line in drawing.lines if line.layer == "MARK"]
-    assert len(marks) % 2 == 0 and len(marks) >= 2 * len(cut.seams)
+    # Where two seams meet on a straight side, only this side has a tick, at a node of its outline.
+    joints = 0
+    for number, piece in enumerate(cut.pieces):
+        ends = np.concatenate([seam.nodes[[0, -1]] for seam in cut.seams for each in seam.pieces if each == number])
+        for loop in piece.loops:
+            before, after = np.roll(loop.points, 1, axis=0) - loop.points, np.roll(loop.points, -1, axis=0) - loop.points
+            cosine = (before * after).sum(axis=1) / np.linalg.norm(before, axis=1) / np.linalg.norm(after, axis=1)
+            joints += sum((ends == node).sum() > 1 and turn < -np.cos(np.radians(30.0)) for node, turn in zip(loop.nodes, cosine))
+    starts = np.array([line.points[0] for line in marks])
+    assert 0 < joints <= len(marks) - 2 * len(cut.seams) and (len(marks) - joints) % 2 == 0
+    outlines = np.concatenate([line.points for line in drawing.lines if line.layer == "CUT"])
+    assert (np.linalg.norm(starts[:joints, None] - outlines, axis=2).min(axis=1) < 1e-9).all()
     assert sum(text.layer == "SEAM" for text in drawing.texts) == 2 * len(cut.seams)
 
 
