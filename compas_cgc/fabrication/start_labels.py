@@ -14,6 +14,7 @@ from .drawing import text_box
 __all__ = ["names_at_starts"]
 
 STEP = 0.5  # by which a name moves away from others, relative to the height
+TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0])  # from the direction of a curve to its name, in the order in which they are tried
 ROOM = 1.2  # size of the room of a name, relative to the name
 
 
@@ -39,8 +40,17 @@ def names_at_starts(
     for k, (name, path) in enumerate(zip(names, paths)):
         back = path[0] - path[1]
         back = back / max(float(np.linalg.norm(back)), np.finfo(float).tiny)
-        places[k] = path[0] + (clearance(name, height, back) + apart) * back
-        while back.any() and any(overlap(text_box(name, places[k], ROOM * height), other) for other in taken):
+        cosine, sine = np.cos(TURNS), np.sin(TURNS)
+        ways = np.column_stack([cosine * back[0] - sine * back[1], sine * back[0] + cosine * back[1]])
+        near = [path[0] + (clearance(name, height, way) + apart) * way for way in ways]
+        free = [place for place in near if not _covers(name, place, height, taken)]
+        places[k] = free[0] if free else near[0]
+        while back.any() and _covers(name, places[k], height, taken):
             places[k] += STEP * height * back
         taken.append(text_box(name, places[k], height))
     return places
+
+
+def _covers(name: str, place: FloatArray, height: float, taken: Sequence[FloatArray]) -> bool:
+    """Check whether a name with some room around it overlaps boxes of texts."""
+    return any(overlap(text_box(name, place, ROOM * height), other) for other in taken)

@@ -14,6 +14,7 @@ from compas_cgc.fabrication.drawing import LETTER_WIDTH
 from compas_cgc.fabrication.lath_files import draw_laths
 from compas_cgc.fabrication.lath_files import schedule_text
 from compas_cgc.fabrication.laths import lath_schedule
+from compas_cgc.fabrication.start_labels import names_at_starts
 from compas_cgc.io.nets import write_net
 
 from ..support.constant_curvature import revolved_patch
@@ -305,3 +306,17 @@ def test_notes_state_splices_reading_and_straight_laths(net):
     rows, _ = rows_and_notes(schedule_text(schedule._replace(laths=[lath._replace(bending=bending)])).splitlines())
     radii = [row["bending radius in mm"] for row in rows if row["node"]]
     assert lath.length > 2.0 and radii == np.resize(["990000", ""], len(bending)).tolist()
+
+
+def test_the_line_to_a_name_passes_no_other_name():
+    """The name of the second curve would lie beyond that of the first, in its direction."""
+    shapely = pytest.importorskip("shapely")
+    paths = [np.array([[0.0, 0.0], [1.0, -1.0]]), np.array([[0.0, 2.0], [1.0, 4.0]])]
+    places = names_at_starts(["L11", "L16"], paths, 0.5, apart=0.5)
+    half = 0.25 * np.array([3 * LETTER_WIDTH, 1.0])
+    boxes = [shapely.box(*(place - half), *(place + half)) for place in places]
+    lines = [shapely.LineString([path[0], place]) for path, place in zip(paths, places)]
+    assert not boxes[0].intersects(boxes[1]) and not boxes[0].intersects(lines[1]) and not boxes[1].intersects(lines[0])
+    # Without the first name the second one lies in the direction of its curve, where that name is.
+    (straight,) = names_at_starts(["L16"], paths[1:], 0.5, apart=0.5)
+    assert boxes[0].intersects(shapely.box(*(straight - 1.2 * half), *(straight + 1.2 * half)))
