@@ -14,6 +14,8 @@ from ..discrete.arrays import IntArray
 from ..errors import CGCError
 from ..errors import MeshError
 from ..meshing import path_edges
+from ..meshing.cleanup import mean_edge
+from ..meshing.closest_on_mesh import nearest_on_mesh
 from ..meshing.level_cuts import SNAP
 from ..meshing.level_cuts import CutMesh
 from ..meshing.level_cuts import cut_along_levels
@@ -53,7 +55,7 @@ def grid_joints(problem: CGCProblem, region: IntArray, areas: FloatArray, grid: 
 
 
 def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
-    """Cut along curves of points (k, 3) [L] and paths of vertex indices."""
+    """Cut along curves of points (k, 3) [L] and paths of vertex indices; curves shorter than an edge cut off nothing."""
     mesh, paths = uncut(problem.vertices, problem.faces), []
     tolerance = problem.drawing.tolerance or 1e-6 * float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     for number, curve in enumerate(curves):
@@ -64,12 +66,22 @@ def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
             continue
         if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
             raise CGCError(f"curve {number} must be a path of vertices or points (k, 3), not an array of shape {points.shape}")
+        if _cuts_off_nothing(problem, points):
+            continue
         mesh, found, inserted = _cut_along(problem, mesh, points.astype(np.float64), tolerance)
         if not found:
             raise CGCError(f"curve {number} is not near any edge of the mesh; draw it on the mesh")
         paths = [split_path(path, inserted) for path in paths] + found
     edges = np.array(path_edges(paths), dtype=np.int64).reshape(-1, 2)
     return Joints(mesh, np.zeros(len(mesh.faces), np.int64), edges, np.zeros(int(problem.regions().max(initial=-1)) + 1))
+
+
+def _cuts_off_nothing(problem: CGCProblem, curve: FloatArray) -> bool:
+    """Return whether a curve on the mesh is shorter than an edge, as curves of nets at corners may be."""
+    edge = mean_edge(problem.vertices, problem.faces)
+    if float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum()) >= edge:
+        return False
+    return bool((np.linalg.norm(nearest_on_mesh(curve, problem.vertices, problem.faces)[0] - curve, axis=1) < edge).all())
 
 
 def _cut_along(
