@@ -50,7 +50,8 @@ SEAM_TEXT = 0.15  # height of the number of a seam, relative to its length in pl
 MEANINGS = {
     "OUTLINE": "edges of the pieces",
     "LABEL": "name of the piece (A1 in region 0, B1 in region 1 and so on, or as the panel of the moulds), and in brackets its course: 1 "
-    "for pieces on supports, 2 for their neighbours, and so on; with a line to narrow pieces",
+    "for pieces on supports, or for the lowest piece of a part without supports, 2 for their neighbours, and so on; with a line "
+    "to narrow pieces",
     "SEAM": "number of the seam, as on the sheets, beside it, or with a line to a short seam",
     "MARK": "triangle with its tip at a supported point",
 }
@@ -223,7 +224,8 @@ def _view(patterns: Patterns, axes: FloatArray, chosen: IntArray, numbers: list[
         boxes.append(text_box(text, label.place, label.height))
     name = view_name(axes, patterns.problem.drawing.north)
     every = len(chosen) == len(patterns.pieces)
-    about = " with courses from the supports in brackets, and seam numbers" if every or is_plan(axes) else ""
+    origin = "supports" if _held(patterns).any() else "lowest piece"
+    about = f" with courses from the {origin} in brackets, and seam numbers" if every or is_plan(axes) else ""
     title = f"{name} of {len(chosen)} {'' if every or is_plan(axes) else 'steep '}pieces{about}"
     tall = height if about else min(height, float(size[0]) / (LETTER_WIDTH * len(title)))
     titled = Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), tall)

@@ -49,7 +49,8 @@ _HEAD = (
 UNKNOWN = "as neighbours"  # bends of a piece in a rolled region on which no ruling lies
 NOTES = (
     "length, width and perimeter: of the contour that is cut; length and width are those of the rectangle around it on the sheet",
-    "course: suggested order of assembly, 1 for pieces on supports, 2 for their neighbours, and so on",
+    "course: suggested order of assembly, 1 for pieces on supports, or for the lowest piece of a part without supports, 2 for "
+    "their neighbours, and so on",
     "on edge of sheet: a side of the piece lies on the edge of its sheet and is not trimmed",
     "bends: away from the viewer who sees the piece from outside, or towards, or both; least bending radius: in position, across rulings "
     "for K = 0, otherwise the smaller principal radius, on 95 % of the area of the piece",

@@ -292,6 +292,12 @@ def test_the_plan_has_every_piece_in_its_place(cut):
         draw_plan(cut.problem)
 
 
+def test_courses_in_a_plan_without_supports_start_at_the_lowest_piece():
+    drawing = draw_plan(unroll(vault(8).with_supports([]), SHEET, rough=True, rulings=0))
+    assert any("with courses from the lowest piece" in text.text for text in drawing.texts if text.layer == "SHEET")
+    assert not any(line.layer == "MARK" for line in drawing.lines)
+
+
 @pytest.mark.nightly
 def test_there_may_be_a_file_for_each_sheet(cut, tmp_path):
     paths = write_patterns(tmp_path / "cut.dxf", cut, per_sheet=True)
