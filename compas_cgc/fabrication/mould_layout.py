@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from .mould_report import Mould
 from .mould_report import MouldReport
 from .mould_report import PanelFit
 
-__all__ = ["MouldPlace", "mould_places"]
+__all__ = ["MouldPlace", "mould_places", "shapes_note", "side_note"]
 
 PANEL_SPACING = 1.2  # distance between panels, relative to the width of the cap
 MOULD_OFFSET = 0.15  # distance of the moulds from the roof, relative to its size
@@ -26,6 +27,28 @@ class MouldPlace(NamedTuple):
     pole: FloatArray  # (3,) [L]
     panels: list[PanelFit]
     poles: list[FloatArray]  # (3,) of every panel [L]
+
+
+def shapes_note(unit: str) -> str:
+    """Return the sentence on what is not on papers but in the .3dm file, whose unit of length is given by its symbol."""
+    return (
+        f"the .3dm file of the moulds, in {unit} while papers are in mm, holds the shape of outlines between corners (layer "
+        '"Outlines"), the curved panels in the roof ("Panels in place"), each panel on its mould ("Panels on moulds"), and the lower and '
+        'the upper face of a sheet on the mould ("Faces", hidden at first)'
+    )
+
+
+def side_note(curvatures: Sequence[float]) -> str:
+    """Return the sentence on the shape and the face of moulds of some K, by the side of panels laid on them; empty if all are plane."""
+    domes = (
+        'K > 0: a mould for the hollow side of panels is humped, and its face is the lower one of the layer "Faces"; a mould for their '
+        "bulging side is hollow, and its face is the upper one"
+    )
+    saddles = (
+        'K < 0: a mould is a saddle, humped in one direction and hollow in the other; its face is the lower one of the layer "Faces" if '
+        "panels are laid on it with their inside, the upper one if with their outside"
+    )
+    return "; ".join(([domes] if max(curvatures) > 0.0 else []) + ([saddles] if min(curvatures) < 0.0 else []))
 
 
 def mould_places(problem: CGCProblem, report: MouldReport) -> list[MouldPlace]:

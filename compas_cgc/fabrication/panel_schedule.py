@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -17,15 +18,18 @@ from ..model.counts import counted
 from ..model.counts import listed
 from ..model.problem import CGCProblem
 from .figures import SHORT
+from .figures import unit_symbol
 from .front_view import all_views
 from .front_view import views_of
+from .mould_layout import shapes_note
+from .mould_layout import side_note
 from .mould_report import MouldReport
 from .mould_report import PanelFit
 from .picture_key import K_MEANING
 from .pieces import best_box
 from .tables import csv_text
 
-__all__ = ["PanelSheet", "PanelSide", "panel_sheets", "panel_totals", "schedule_text"]
+__all__ = ["FLAT_TRIANGLES", "MEAN_PLANE", "PanelSheet", "PanelSide", "model_notes", "panel_sheets", "panel_totals", "schedule_text"]
 
 CORNER = np.radians(30.0)  # least turn of the outline at a corner
 EDGE = "edge"  # instead of a neighbour at the edge of the surface
@@ -55,12 +59,15 @@ STRESS_WITHOUT_LIMIT = (
     "crossing or a kink of creases, or a crease between a hill and a bowl: the largest stress grows as the mesh is refined; judge by the "
     "stress on 95 % of the area, and reinforce the support or make the corner of the panel in its final shape"
 )
+MEAN_PLANE = "mean plane: through the mean of the mesh vertices of the panel, turned so that its outline encloses most area in it"
+FLAT_TRIANGLES = "lengths, sizes and areas are those of the flat triangles of the model, not of the smooth surface"
 NOTES = (
     "lengths in mm, in position, seen from outside, the side to which the normals point; sides are counterclockwise from corner 1",
     K_MEANING,
     "length and width: smallest rectangle around the bent panel in its mean plane, seen along the normal of this plane",
-    "rise: distance between the lowest and the highest point of the panel over its mean plane; panels are drawn as flat triangles, and the "
-    "edges of the triangles lie up to the given distance from the smooth surface",
+    "rise: distance between the lowest and the highest point of the panel over its mean plane",
+    MEAN_PLANE,
+    f"{FLAT_TRIANGLES}; edges of the triangles lie up to the given distance from it",
     "sides: along the outline, from each corner to the next; neighbours in the same order; edge: edge of the roof",
     "diagonals: straight distances between corners that are no neighbours, in the order 1-3, 1-4, ..., 2-4, ...",
     "mould radius: 1/sqrt|K|, the radius of a sphere, or of a pseudosphere for K < 0, at the middle of the thickness: the face of a mould "
@@ -99,6 +106,7 @@ class PanelSheet(NamedTuple):
     above: bool  # whether the outside, from which it is seen, is above
     strength: float  # characteristic bending strength of the material [MPa]
     view: FloatArray  # (3, 3) axes of the plan or elevation that shows it: to the right, upwards, and to the viewer
+    unit: str  # symbol of the unit of the model
 
     @property
     def used(self) -> float:
@@ -132,7 +140,7 @@ def panel_sheets(problem: CGCProblem, report: MouldReport) -> list[PanelSheet]:
     order = np.argsort(key, kind="stable")
     key, sides = key[order], np.where(edges[:, 3:] >= 0, owner[edges[:, 2:]], -1)[order]
     names = [fit.panel.name for fit in report.panels]
-    shown, found = owner >= 0, []
+    shown, found, unit = owner >= 0, [], unit_symbol(problem.drawing.units)
     views = all_views(problem)
     normals = face_areas(vertices, faces)[:, None] * face_normals(vertices, faces)
     view = views[views_of(views, normals[shown], owner[shown], len(names))]
@@ -141,12 +149,20 @@ def panel_sheets(problem: CGCProblem, report: MouldReport) -> list[PanelSheet]:
         at = np.searchsorted(key, np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1) @ [n, 1])
         beyond = np.where(sides[at, 0] == number, sides[at, 1], sides[at, 0])
         own = np.unique(faces[fit.panel.faces])
-        found.append(_sheet(report, fit, vertices[loop], vertices[own], np.where(edges[order][at, 3] < 0, -1, beyond), names, view[number]))
+        beyond = np.where(edges[order][at, 3] < 0, -1, beyond)
+        found.append(_sheet(report, fit, vertices[loop], vertices[own], beyond, names, view[number], unit))
     return found
 
 
 def _sheet(
-    report: MouldReport, fit: PanelFit, outline: FloatArray, inside: FloatArray, beyond: IntArray, names: list[str], view: FloatArray
+    report: MouldReport,
+    fit: PanelFit,
+    outline: FloatArray,
+    inside: FloatArray,
+    beyond: IntArray,
+    names: list[str],
+    view: FloatArray,
+    unit: str,
 ) -> PanelSheet:
     """Return the figures of a panel.
 
@@ -164,6 +180,8 @@ def _sheet(
         Names of all panels.
     view
         (3, 3) axes of the plan or elevation.
+    unit
+        Symbol of the unit of the model.
     """
     mm = 1e3 * report.unit
     middle = inside.mean(axis=0)
@@ -198,6 +216,7 @@ def _sheet(
         bool(up[2] > 0.0),
         1e-6 * report.material.strength,
         view,
+        unit,
     )
 
 
@@ -219,7 +238,15 @@ def _corners(flat: FloatArray, beyond: IntArray) -> IntArray:
 
 def schedule_text(sheets: list[PanelSheet]) -> str:
     """Return the schedule as CSV, one row per panel; sides and neighbours are counterclockwise, seen from outside."""
-    return csv_text(_HEAD, map(_row, sheets), [panel_totals(sheets), *NOTES])
+    return csv_text(_HEAD, map(_row, sheets), [panel_totals(sheets), *NOTES, *model_notes(sheets)])
+
+
+def model_notes(sheets: Sequence[PanelSheet]) -> list[str]:
+    """Return the sentences on names of panels, on the .3dm file of the moulds, and on the faces of moulds."""
+    numbered = all(re.fullmatch(rf"{own.fit.panel.region}-\d+", own.fit.panel.name) for own in sheets)
+    names = ["panel: the number of its region, from 0, then its number in this region"] if numbered else []
+    sides = side_note([own.K for own in sheets])
+    return [*names, shapes_note(sheets[0].unit), *([sides] if sides else [])]
 
 
 def panel_totals(sheets: Sequence[PanelSheet]) -> str:

@@ -13,7 +13,10 @@ from .._figures import new_figure
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..errors import names_what_was_meant
+from ..fabrication.figures import unit_symbol
 from ..fabrication.front_view import front_view
+from ..fabrication.mould_layout import shapes_note
+from ..fabrication.mould_layout import side_note
 from ..fabrication.mould_report import Mould
 from ..fabrication.mould_report import MouldReport
 from ..fabrication.mould_report import PanelFit
@@ -74,7 +77,9 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     'Figure'
     """
     problem = mesh.to_problem().without_dummies()
-    lines = str(report).split("\n")
+    sides = side_note([own.K for own in report.moulds])
+    notes = [shapes_note(unit_symbol(problem.drawing.units)), *([sides] if sides else [])]
+    lines = [*str(report).split("\n"), *notes]
     warned = 1 if report.overstressed else 0
     warning = _wrapped("\n".join(lines[:warned]))
     rest = "\n" * len(warning.splitlines()) + _wrapped("\n".join(lines[warned:]))

@@ -19,7 +19,11 @@ from .._figures import save_pages
 from ..discrete.arrays import FloatArray
 from ..fabrication.front_view import seen_from
 from ..fabrication.front_view import view_name
+from ..fabrication.mould_layout import shapes_note
+from ..fabrication.panel_schedule import FLAT_TRIANGLES
+from ..fabrication.panel_schedule import MEAN_PLANE
 from ..fabrication.panel_schedule import PanelSheet
+from ..fabrication.panel_schedule import model_notes
 from ..fabrication.panel_schedule import panel_totals
 from ..fabrication.picture_key import K_MEANING
 from ..fabrication.picture_key import Key
@@ -43,13 +47,14 @@ NORTH = Drawing().north
 PAGE = (11.7, 8.3)  # A4 [in]
 WARNING = "#b00020"
 ROWS = 32  # of the schedule on one page
-HEAD_TOP, HEAD_PITCH, FOOT = 0.938, 0.0145, 0.05  # of the text above the schedule and of its last row, relative to the page
+HEAD_TOP, HEAD_PITCH, FOOT = 0.938, 0.015, 0.05  # of the text above the schedule and of its last row, relative to the page
 KEY = (0.81, 0.79, 0.16, 0.16)  # place of the small plan on the page of a panel
 TEXT_WIDTH = 0.75  # width of a letter relative to its size, with room beside it
 SHARES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # of a side at which its texts are tried
 DIAGONAL_SHARES = (0.36, 0.28, 0.44, 0.2, 0.64, 0.72, 0.8)  # beside the middle, where diagonals cross
 MARGIN = 0.16  # around an outline, relative to its size
 MAX_NOTE = 215  # characters of the notes of the schedule on one line
+MAX_ABOUT = 165  # characters of the notes on the page of a panel on one line, beside the small plan
 MAX_LINE = 180  # characters of a remark on one line
 HEAD = (
     "panel",
@@ -110,7 +115,8 @@ def _schedule(sheets: list[PanelSheet], title: str, totals: str) -> Figure:
         f"{_seen(sheets)}; rise: from the lowest to the highest point over the mean plane; stress: of bending on 95 % of the area, in % of "
         f"the characteristic strength of {sheets[0].strength:g} MPa{' (red: the panel breaks)' if broken else ''}; {K_MEANING}"
     )
-    lines = [*textwrap.wrap(totals, MAX_NOTE), *textwrap.wrap(about, MAX_NOTE)]
+    notes = (totals, about, MEAN_PLANE, FLAT_TRIANGLES, *model_notes(sheets))
+    lines = [line for note in notes for line in textwrap.wrap(note, MAX_NOTE)]
     figure.text(0.05, HEAD_TOP, "\n".join(lines), fontsize=7, color=INK, va="top")
     top = HEAD_TOP - HEAD_PITCH * (len(lines) + 1)
     pitch = (top - FOOT) / ROWS
@@ -231,8 +237,9 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
         plan.fill(*_flat(own).T, facecolor="0.4", edgecolor=INK, linewidth=0.4)
         plan.plot(*_flat(own)[0], marker="o", markersize=2.5, color=INK)
         add_key(plan, Key("mm", north), own.view, size=6.0)
+        # Above the plan, because the arrow to north is below it.
         where = f"place in {view_name(own.view, north)}; dot: corner 1"
-        figure.text(KEY[0] + 0.5 * KEY[2], KEY[1] - 0.015, where, fontsize=6, color=INK, ha="center")
+        figure.text(KEY[0] + 0.5 * KEY[2], KEY[1] + KEY[3] + 0.01, where, fontsize=6, color=INK, ha="center")
     axes.set_xlim(low[0] - MARGIN * size, high[0] + MARGIN * size)
     axes.set_ylim(low[1] - MARGIN * size, high[1] + MARGIN * size)
     add_key(axes, Key("mm", None), below=8.0)
@@ -241,7 +248,8 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
         f"{_seen([own])}, in its mean plane, lengths in millimetres, at the middle of the thickness; panels meet edge to edge: "
         "no joint is taken off"
     )
-    figure.text(0.05, 0.925, about, fontsize=7, color=INK)
+    notes = [line for note in (about, MEAN_PLANE, shapes_note(own.unit)) for line in textwrap.wrap(note, MAX_ABOUT)]
+    figure.text(0.05, 0.935, "\n".join(notes), fontsize=7, color=INK, va="top", linespacing=1.4)
     lines = [
         f"region {own.fit.panel.region}; {own.mould}; {K_MEANING}",
         f"rectangle around the bent panel {own.size[0]:.1f} x {own.size[1]:.1f} mm, rise over the mean plane {own.rise:.1f} mm, "

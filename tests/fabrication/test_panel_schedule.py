@@ -19,6 +19,7 @@ from compas_cgc.fabrication import panels
 from compas_cgc.fabrication.figures import two_digits
 from compas_cgc.fabrication.panel_schedule import NOTES
 from compas_cgc.fabrication.panel_schedule import PanelSide
+from compas_cgc.fabrication.panel_schedule import model_notes
 from compas_cgc.fabrication.panel_schedule import panel_sheets
 from compas_cgc.fabrication.panel_schedule import panel_totals
 from compas_cgc.fabrication.panel_schedule import schedule_text
@@ -97,7 +98,7 @@ def test_the_schedule_has_the_number_and_area_of_all_panels_and_of_every_mould(r
     area = face_areas(problem.vertices, problem.faces).sum()
     mould = "K = 0.01 1/m², radius 10000.0 mm"
     assert panel_totals(sheets) == f"total: {len(sheets)} panels, {area:.3f} m²; mould 1: {mould}"
-    assert rows_and_notes(io.StringIO(schedule_text(sheets)))[1] == [panel_totals(sheets), *NOTES]
+    assert rows_and_notes(io.StringIO(schedule_text(sheets)))[1] == [panel_totals(sheets), *NOTES, *model_notes(sheets)]
     two = [own._replace(fit=replace(own.fit, mould=2)) if k < 3 else own for k, own in enumerate(sheets)]
     own = sum(sheet.area for sheet in sheets[:3])
     first, second = f"{len(sheets) - 3} panels, {area - own:.3f} m²", f"3 panels, {own:.3f} m²"
@@ -146,6 +147,42 @@ def test_a_view_says_where_other_panels_are_drawn(report):
     drawings = [text for text in texts if "dots: corner 1" not in text]
     assert len(drawings) == 1 + len(sheets)
     assert all("product of the two principal curvatures" in text and "characteristic strength of 45 MPa" in text for text in drawings)
+
+
+def test_papers_say_where_shapes_are_and_on_which_face_of_a_mould_panels_lie(report):
+    problem, made = report
+    sheets = panel_sheets(problem, made)
+    pages = [" ".join(" ".join(text.get_text() for text in page.texts).split()) for page in _pages(sheets, "facade:", (0.0, 1.0))]
+    moulds_page = " ".join(" ".join(text.get_text() for text in moulds_figure(problem, made).texts).split())
+    for text in (pages[0], pages[2], moulds_page, schedule_text(sheets).replace('""', '"')):
+        assert "in m while papers are in mm" in text
+        assert all(f'"{layer}"' in text for layer in ("Outlines", "Panels in place", "Panels on moulds", "Faces"))
+    for text in (pages[0], schedule_text(sheets)):
+        assert "flat triangles of the model, not of the smooth surface" in text and "mean plane: through the mean" in text
+        assert "panel: the number of its region, from 0, then its number in this region" in text
+    # The mould of a dome is humped below its panels, which lie with their hollow side on the lower face.
+    for fit in made.panels:
+        corners = fit.on_mould[fit.faces]
+        assert fit.on_mould[:, 2].max() <= 0.0 < np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2].min()
+    humped = "a mould for the hollow side of panels is humped, and its face is the lower one"
+    assert humped in pages[0] and humped in moulds_page and "saddle, humped" not in pages[0] + moulds_page
+    saddle = [own._replace(K=-own.K) for own in sheets]
+    assert "a mould is a saddle, humped in one direction" in model_notes(saddle)[-1] and humped not in model_notes(saddle)[-1]
+    assert len(model_notes([own._replace(K=0.0) for own in sheets])) == 2
+    named = [own._replace(fit=replace(own.fit, panel=own.fit.panel._replace(name="door"))) for own in sheets]
+    assert len(model_notes(named)) == len(model_notes(sheets)) - 1
+
+
+def test_the_arrow_to_north_lies_apart_from_the_words_on_the_place_of_a_panel(report):
+    sheets = panel_sheets(*report)
+    flat = [own._replace(view=np.eye(3)) for own in sheets]
+    figure = panel_figure(flat[0], "facade:", flat)
+    FigureCanvasAgg(figure).draw()
+    (place,) = (text for text in figure.texts if "dot: corner 1" in text.get_text())
+    notes = next(text for text in figure.texts if "seen from outside" in text.get_text())
+    key = [text for axes in figure.axes for text in axes.texts if text.get_text() in ("N", "2000 mm")]
+    assert len(key) == 2
+    assert not any(place.get_window_extent().overlaps(other.get_window_extent()) for other in (*key, notes))
 
 
 def test_remarks_name_panels_whose_largest_stress_has_no_limit_and_short_seams(report):
