@@ -20,7 +20,7 @@ from .patchwork import weights_in
 from .shape_operators import shape_operators
 from .shell.singular import between_hills_and_bowls
 
-__all__ = ["corner_operators", "curvature_changes", "fitted_operators", "mesh_dependent", "plate_stress"]
+__all__ = ["corner_operators", "curvature_changes", "fitted_operators", "mesh_dependent", "plate_stress", "unbounded_curvature"]
 
 STRAIGHT = np.radians(0.5)  # turn of a held edge at a vertex up to which it counts as straight
 MIN_SPREAD = 0.05  # area between the centroids around the corners, relative to their face, below which operators are not extrapolated
@@ -112,7 +112,12 @@ def plate_stress(material: Material, thickness: float, changes: FloatArray) -> F
 
 
 def mesh_dependent(problem: CGCProblem) -> Mask:
-    """Return the vertices where the curvature of the surface is unbounded, so that stress grows as the mesh is refined (n,).
+    """Return the vertices of :func:`unbounded_curvature` (n,)."""
+    return np.any(list(unbounded_curvature(problem).values()), axis=0)
+
+
+def unbounded_curvature(problem: CGCProblem) -> dict[str, Mask]:
+    """Return the vertices where the curvature of the surface is unbounded, so that stress grows as the mesh is refined (n,), by cause.
 
     These are point supports, corners of held edges, where K > 0 straight held edges, which such a surface cannot contain, and ends,
     crossings and kinks of creases. Along a smooth crease curvature is bounded, unless it lies between hills and bowls.
@@ -128,17 +133,25 @@ def mesh_dependent(problem: CGCProblem) -> Mask:
     elliptic = np.zeros(n, bool)
     targets = np.array([0.0 if K is None else K for K in problem.region_targets()])
     elliptic[problem.faces[targets[problem.regions()] > 0.0]] = True
-    found = fixed & (after < 0) & (before < 0)
-    found[chain] |= (turn > SHARP) | ((turn < STRAIGHT) & elliptic[chain])
+    corners, straight, kinks = np.zeros((3, n), bool)
+    corners[chain] = turn > SHARP
+    straight[chain] = (turn < STRAIGHT) & elliptic[chain]
     creases = np.unique(np.sort(problem.creases, axis=1), axis=0)
     arms = np.bincount(creases.ravel(), minlength=n)
-    found |= (arms == 1) | (arms > 2)
     # Both neighbours along the crease, of every vertex within one.
     one, other = np.vstack([creases, creases[:, ::-1]])[np.argsort(np.concatenate(creases.T), kind="stable")].T
     within = arms[one] == 2
     middle, (back, ahead) = one[within][::2], other[within].reshape(-1, 2).T
-    found[middle] |= _turns(V, back, middle, ahead) > SHARP
-    return found | between_hills_and_bowls(problem)
+    kinks[middle] = _turns(V, back, middle, ahead) > SHARP
+    return {
+        "a point support": fixed & (after < 0) & (before < 0),
+        "a corner of a held edge": corners,
+        "a straight held edge (K > 0)": straight,
+        "an end of a crease": arms == 1,
+        "a crossing of creases": arms > 2,
+        "a kink of a crease": kinks,
+        "a crease between a hill and a bowl": between_hills_and_bowls(problem),
+    }
 
 
 def _turns(V: FloatArray, before: IntArray, at: IntArray, after: IntArray) -> FloatArray:

@@ -97,6 +97,7 @@ class PanelFit:
     stresses: FloatArray  # (f,) stress of bending of every face, the mean over its corners [MPa]
     singular: bool  # whether its largest stress grows as the mesh is refined, as at point supports
     sag: float  # largest distance of the edges of its flat triangles from the smooth surface [mm]
+    causes: tuple[str, ...] = ()  # why its largest stress grows as the mesh is refined, such as ``a point support``
 
     @property
     def stress_95(self) -> float:
@@ -258,13 +259,13 @@ class MouldReport:
 
     def _singular(self) -> list[str]:
         names = [own.panel.name for own in self.panels if own.singular]
+        causes = dict.fromkeys(cause for own in self.panels for cause in own.causes)
         if not names:
             return []
         where = "all panels" if len(names) == len(self.panels) > 1 else f"panels {listed(names, SCHEDULE)}"
         return [
-            "curvature is unbounded at point supports, corners of held edges, straight held edges (K > 0), ends, crossings and kinks of "
-            "creases, and creases between hills and bowls, so that the largest stress depends on the mesh in "
-            f"{where}; judge these by the stress on 95 % of their area, on a mesh whose triangles are smaller than a twentieth of a panel"
+            f"curvature is unbounded at {' and '.join(causes)}, so that the largest stress depends on the mesh in {where}; "
+            "judge these by the stress on 95 % of their area, on a mesh whose triangles are smaller than a twentieth of a panel"
         ]
 
     def _short(self) -> list[str]:

@@ -29,8 +29,8 @@ from . import space_form
 from .bending import corner_operators
 from .bending import curvature_changes
 from .bending import fitted_operators
-from .bending import mesh_dependent
 from .bending import plate_stress
+from .bending import unbounded_curvature
 from .caps import smallest_cap
 from .development import Development
 from .development import check_disk
@@ -154,7 +154,7 @@ def moulds(
     targets = problem.region_targets()
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
     fits = local_fits(problem.vertices, problem.faces, problem.asked, problem.asked)
-    operators, singular = corner_operators(problem), mesh_dependent(problem)
+    operators, unbounded = corner_operators(problem), unbounded_curvature(problem)
     fitted = fitted_operators(problem, operators)
     by_arcs = _by_arcs(problem) if arc is None else arc
     pieces = [_laid(problem, panel, K, fits, by_arcs) for panel, K in zip(panels, curvatures)]
@@ -169,7 +169,7 @@ def moulds(
         surface = _least_bending(groups[K], radius, operators) if least_bending else surface_for(K, radius)
         made.append(Mould(len(made) + 1, surface, radius, len(groups[K])))
         for piece in groups[K]:
-            results[piece.panel.name] = _fitted(piece, made[-1], (operators, fitted), singular, stuff, thickness, unit)
+            results[piece.panel.name] = _fitted(piece, made[-1], (operators, fitted), unbounded, stuff, thickness, unit)
     return MouldReport(
         made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs, panel_seams(problem, panels)
     )
@@ -288,7 +288,7 @@ def _fitted(
     piece: _Laid,
     mould: Mould,
     evaluations: tuple[FloatArray, FloatArray],
-    singular: Mask,
+    unbounded: dict[str, Mask],
     material: Material,
     thickness: float,
     unit: float,
@@ -311,6 +311,7 @@ def _fitted(
     nearest = rigid_fits(places[None], vertices)
     changes = np.stack([changes_at(angle, own) for own in evaluations])
     stresses = 1e-6 * plate_stress(material, 1e-3 * thickness, changes).max(axis=0)
+    causes = tuple(cause for cause, where in unbounded.items() if where[piece.parts.whole].any())
     return PanelFit(
         piece.panel,
         mould.number,
@@ -326,8 +327,9 @@ def _fitted(
         places,
         nearest,
         stresses.mean(axis=1)[piece.parts.within],
-        bool(singular[piece.parts.whole].any()),
+        bool(causes),
         1e3 * unit * _sag(piece.places, operators[piece.parts.own_faces]),
+        causes,
     )
 
 

@@ -54,11 +54,6 @@ _HEAD = (
     "corners in mm",
     "remarks",
 )
-STRESS_WITHOUT_LIMIT = (
-    "the curvature of the roof is unbounded here, at a point support, a corner of a held edge, a straight held edge (K > 0), an end, a "
-    "crossing or a kink of creases, or a crease between a hill and a bowl: the largest stress grows as the mesh is refined; judge by the "
-    "stress on 95 % of the area, and reinforce the support or make the corner of the panel in its final shape"
-)
 MEAN_PLANE = "mean plane: through the mean of the mesh vertices of the panel, turned so that its outline encloses most area in it"
 FLAT_TRIANGLES = "lengths, sizes and areas are those of the flat triangles of the model, not of the smooth surface"
 NOTES = (
@@ -122,7 +117,12 @@ class PanelSheet(NamedTuple):
     @property
     def remarks(self) -> list[str]:
         """Sentences on a largest stress without a limit, and on short seams."""
-        found = [STRESS_WITHOUT_LIMIT] if self.fit.singular and self.fit.stress is not None else []
+        found = []
+        if self.fit.causes and self.fit.stress is not None:
+            found.append(
+                f"the curvature of the roof is unbounded here, at {' and '.join(self.fit.causes)}: the largest stress grows as the mesh is "
+                "refined; judge by the stress on 95 % of the area, and reinforce the panel there or make that part of it in its final shape"
+            )
         short = [side for side in self.sides if side.neighbour != EDGE and side.length < 1e3 * SHORT]
         return found + [f"short seam with {side.neighbour}: {side.length:.1f} mm" for side in short]
 

@@ -19,6 +19,7 @@ from compas_cgc.fabrication import space_form
 from compas_cgc.fabrication.bending import corner_operators
 from compas_cgc.fabrication.bending import mesh_dependent
 from compas_cgc.fabrication.bending import plate_stress
+from compas_cgc.fabrication.bending import unbounded_curvature
 from compas_cgc.fabrication.materials import MATERIALS
 from compas_cgc.fabrication.mould_report import _percentile_95
 from compas_cgc.fabrication.shape_operators import shape_operators
@@ -202,6 +203,11 @@ def test_point_supports_corners_and_straight_edges_of_domes_are_named():
     assert (mesh_dependent(dome.with_targets(-0.01)) == corners).all()
     point = CGCProblem(vertices, faces).with_supports([0, 24]).with_targets(-0.01)
     assert np.flatnonzero(mesh_dependent(point)).tolist() == [0, 24]
+    # Each with its cause alone.
+    by_cause = {cause: where for cause, where in unbounded_curvature(dome).items() if where.any()}
+    assert set(by_cause) == {"a corner of a held edge", "a straight held edge (K > 0)"}
+    assert (by_cause["a corner of a held edge"] == corners).all() and (by_cause["a straight held edge (K > 0)"] == rim & ~corners).all()
+    assert [cause for cause, where in unbounded_curvature(point).items() if where.any()] == ["a point support"]
 
 
 def creased(n, paths):

@@ -16,6 +16,7 @@ from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import MATERIALS
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
+from compas_cgc.fabrication.bending import unbounded_curvature
 from compas_cgc.fabrication.figures import two_digits
 from compas_cgc.fabrication.panel_schedule import NOTES
 from compas_cgc.fabrication.panel_schedule import PanelSide
@@ -192,6 +193,14 @@ def test_remarks_name_panels_whose_largest_stress_has_no_limit_and_short_seams(r
     rows = {row["panel"]: row for row in rows_and_notes(io.StringIO(schedule_text(sheets)))[0]}
     for own in sheets:
         assert ("unbounded" in rows[own.fit.panel.name]["remarks"]) == own.fit.singular
+    # Only the causes at the panel itself are named.
+    causes = {name: np.flatnonzero(where) for name, where in unbounded_curvature(problem).items()}
+    assert {name for name, where in causes.items() if len(where)} == {cause for fit in made.panels for cause in fit.causes}
+    for own in sheets:
+        whole = own.fit.panel.cut.parent[own.fit.panel.faces]
+        near = [name for name, where in causes.items() if np.isin(problem.faces[whole], where).any()]
+        remark = rows[own.fit.panel.name]["remarks"]
+        assert [name for name in causes if name in remark] == near
     short = sheets[0]._replace(sides=[side._replace(length=60.0) for side in sheets[0].sides])
     inner = [side.neighbour for side in short.sides if side.neighbour != "edge"]
     assert [remark for remark in short.remarks if "short" in remark] == [f"short seam with {name}: 60.0 mm" for name in inner]
