@@ -32,9 +32,9 @@ class MouldPlace(NamedTuple):
 def shapes_note(unit: str) -> str:
     """Return the sentence on what is not on papers but in the .3dm file, whose unit of length is given by its symbol."""
     return (
-        f"the .3dm file of the moulds, in {unit} while papers are in mm, holds the shape of outlines between corners (layer "
-        '"Outlines"), the curved panels in the roof ("Panels in place"), each panel on its mould ("Panels on moulds"), and the lower and '
-        'the upper face of a sheet on the mould ("Faces", hidden at first)'
+        f"the .3dm file of the moulds, whose unit of length is {unit} while papers are in mm, holds the shape of outlines between corners "
+        '(layer "Outlines"), the curved panels in the roof ("Panels in place"), each panel on its mould ("Panels on moulds"), and the '
+        'lower and the upper face of a sheet on the mould ("Faces", hidden at first)'
     )
 
 

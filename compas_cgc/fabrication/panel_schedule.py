@@ -72,7 +72,7 @@ NOTES = (
     "exceed; part of strength: of the latter, of the characteristic bending strength without safety factor; above 100 % the panel breaks",
     "panels have the size of the surface at the middle of their thickness and meet edge to edge: no joint is taken off, and no holes, "
     "fixings or tolerances are included",
-    "corners: (x, y, z) in the coordinates of the model, x and y in plan, z up, from corner 1 to the last",
+    "corners: (x, y, z) from the origin of the model, x and y in plan, z up, from corner 1 to the last",
 )
 
 

@@ -156,7 +156,7 @@ def test_papers_say_where_shapes_are_and_on_which_face_of_a_mould_panels_lie(rep
     pages = [" ".join(" ".join(text.get_text() for text in page.texts).split()) for page in _pages(sheets, "facade:", (0.0, 1.0))]
     moulds_page = " ".join(" ".join(text.get_text() for text in moulds_figure(problem, made).texts).split())
     for text in (pages[0], pages[2], moulds_page, schedule_text(sheets).replace('""', '"')):
-        assert "in m while papers are in mm" in text
+        assert "whose unit of length is m while papers are in mm" in text
         assert all(f'"{layer}"' in text for layer in ("Outlines", "Panels in place", "Panels on moulds", "Faces"))
     for text in (pages[0], schedule_text(sheets)):
         assert "flat triangles of the model, not of the smooth surface" in text and "mean plane: through the mean" in text
