@@ -31,7 +31,7 @@ def warm_up(told: Optional[Callable[[float], object]] = None, builds: bool = Fal
     told
         Called with the completed fraction, from 0 to 1.
     builds
-        Also those of pieces, moulds and nets, which processes that mostly solve load when they need them.
+        Whether to include the kernels of pieces, moulds and nets; processes that mostly solve load these when they need them.
 
     Returns
     -------

@@ -20,7 +20,7 @@ from .patchwork import weights_in
 from .shape_operators import shape_operators
 from .shell.singular import between_hills_and_bowls
 
-__all__ = ["corner_operators", "curvature_changes", "fitted_operators", "mesh_dependent", "plate_stress", "unbounded_curvature"]
+__all__ = ["corner_operators", "curvature_changes", "fitted_operators", "plate_stress", "unbounded_curvature"]
 
 STRAIGHT = np.radians(0.5)  # turn of a held edge at a vertex up to which it counts as straight
 MIN_SPREAD = 0.05  # area between the centroids around the corners, relative to their face, below which operators are not extrapolated
@@ -109,11 +109,6 @@ def plate_stress(material: Material, thickness: float, changes: FloatArray) -> F
     if material.ductile:
         largest = np.maximum(largest, np.sqrt((principal**2).sum(axis=-1) - principal.prod(axis=-1)))
     return np.asarray(largest, dtype=np.float64)
-
-
-def mesh_dependent(problem: CGCProblem) -> Mask:
-    """Return the vertices of :func:`unbounded_curvature` (n,)."""
-    return np.any(list(unbounded_curvature(problem).values()), axis=0)
 
 
 def unbounded_curvature(problem: CGCProblem) -> dict[str, Mask]:

@@ -57,6 +57,7 @@ def grid_joints(problem: CGCProblem, region: IntArray, areas: FloatArray, grid: 
 def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
     """Cut along curves of points (k, 3) [L] and paths of vertex indices; curves shorter than an edge cut off nothing."""
     mesh, paths = uncut(problem.vertices, problem.faces), []
+    edge = mean_edge(problem.vertices, problem.faces)
     tolerance = problem.drawing.tolerance or 1e-6 * float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     for number, curve in enumerate(curves):
         points = np.asarray(curve)
@@ -66,7 +67,7 @@ def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
             continue
         if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
             raise CGCError(f"curve {number} must be a path of vertices or points (k, 3), not an array of shape {points.shape}")
-        if _cuts_off_nothing(problem, points):
+        if _cuts_off_nothing(problem, points, edge):
             continue
         mesh, found, inserted = _cut_along(problem, mesh, points.astype(np.float64), tolerance)
         if not found:
@@ -76,9 +77,8 @@ def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
     return Joints(mesh, np.zeros(len(mesh.faces), np.int64), edges, np.zeros(int(problem.regions().max(initial=-1)) + 1))
 
 
-def _cuts_off_nothing(problem: CGCProblem, curve: FloatArray) -> bool:
+def _cuts_off_nothing(problem: CGCProblem, curve: FloatArray, edge: float) -> bool:
     """Return whether a curve on the mesh is shorter than an edge, as curves of nets at corners may be."""
-    edge = mean_edge(problem.vertices, problem.faces)
     if float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum()) >= edge:
         return False
     return bool((np.linalg.norm(nearest_on_mesh(curve, problem.vertices, problem.faces)[0] - curve, axis=1) < edge).all())

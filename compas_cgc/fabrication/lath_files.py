@@ -242,7 +242,7 @@ def _plan(schedule: LathSchedule, corner: FloatArray) -> Drawing:
 
 
 def _leader(name: str, start: FloatArray, place: FloatArray, height: float) -> Line:
-    """Return the line from the start of a lath in plan to its number, so that numbers of close starts are told apart [mm]."""
+    """Return the leader from the start of a lath in plan to its number, which shows to which of several nearby starts it belongs [mm]."""
     length = max(float(np.linalg.norm(place - start)), np.finfo(float).tiny)
     direction = (place - start) / length
     return Line("LABEL", np.array([start, start + max(0.0, length - clearance(name, height, direction)) * direction]))

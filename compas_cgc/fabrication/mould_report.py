@@ -95,9 +95,13 @@ class PanelFit:
     on_mould: Vertices  # (p, 3) vertices on the mould, whose pole is at the origin [L]
     into_place: Fit  # best rigid motion from the mould to the position
     stresses: FloatArray  # (f,) stress of bending of every face, the mean over its corners [MPa]
-    singular: bool  # whether its largest stress grows as the mesh is refined, as at point supports
     sag: float  # largest distance of the edges of its flat triangles from the smooth surface [mm]
-    causes: tuple[str, ...] = ()  # why its largest stress grows as the mesh is refined, such as ``a point support``
+    causes: tuple[str, ...]  # why its largest stress grows as the mesh is refined, such as ``a point support``; empty if it does not
+
+    @property
+    def singular(self) -> bool:
+        """Whether its largest stress grows as the mesh is refined."""
+        return bool(self.causes)
 
     @property
     def stress_95(self) -> float:

@@ -327,7 +327,6 @@ def _fitted(
         places,
         nearest,
         stresses.mean(axis=1)[piece.parts.within],
-        bool(causes),
         1e3 * unit * _sag(piece.places, operators[piece.parts.own_faces]),
         causes,
     )

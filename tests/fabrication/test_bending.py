@@ -17,7 +17,6 @@ from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import space_form
 from compas_cgc.fabrication.bending import corner_operators
-from compas_cgc.fabrication.bending import mesh_dependent
 from compas_cgc.fabrication.bending import plate_stress
 from compas_cgc.fabrication.bending import unbounded_curvature
 from compas_cgc.fabrication.materials import MATERIALS
@@ -28,6 +27,11 @@ from ..support.constant_curvature import revolved_patch
 from ..support.plate_elements import Revolved
 from ..support.plate_elements import bending_stresses
 from ..support.shapes import grid
+
+
+def mesh_dependent(problem):
+    """Return the vertices where curvature is unbounded for whatever cause (n,)."""
+    return np.any(list(unbounded_curvature(problem).values()), axis=0)
 
 
 def patch(n, K) -> CGCProblem:

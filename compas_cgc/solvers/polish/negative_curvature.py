@@ -14,9 +14,8 @@ __all__ = ["negative_curvature"]
 
 ROUNDS = 40  # of the power iteration
 STEADY = 0.1  # relative change of the curvature in a round, below which the iteration ends
-WAVES = np.array(
-    [2.1, 3.7, 4.3]
-)  # wave numbers along the axes of the first load, times the size; without symmetry, as symmetric loads stay so
+# Wave numbers of the first load along the axes, times the size. A symmetric load would find symmetric directions only.
+WAVES = np.array([2.1, 3.7, 4.3])
 
 
 def negative_curvature(

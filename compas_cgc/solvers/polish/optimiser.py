@@ -176,11 +176,11 @@ def _factors(
     lagrangian: Lagrangian, model: Model, saddle: Saddle, border: FloatArray, below: FloatArray, share: float, shift: float
 ) -> Optional[tuple[float, float]]:
     """Factorise the saddle matrix, and return the share of the exact second derivatives and the shift that give a minimum."""
-    wanted, pattern = lagrangian.count, lagrangian.pattern
+    wanted, pattern, stiffness = lagrangian.count, lagrangian.pattern, _stiffness(lagrangian, model)
     while shift <= MOST:
         hessian = model.convex + share * (model.hessian - model.convex)
         try:
-            if saddle.factorise(pattern.matrix(model, hessian, shift * _stiffness(lagrangian, model), below), border) == wanted:
+            if saddle.factorise(pattern.matrix(model, hessian, shift * stiffness, below), border) == wanted:
                 return share, shift
         except SingularMatrixError:
             pass
