@@ -62,8 +62,8 @@ def drawn(problem: CGCProblem, picture: Picture, width: int = 1200) -> object:
 
 PAGE = """# Gallery
 
-The code below each picture computes the surface, and `compas_cgc.plot.studio` draws it. All surfaces have the verdict **fair** and meet
-their target curvature to rounding. `python docs/gallery.py` creates this page.
+The code below each picture computes the surface, and `compas_cgc.plot.studio` draws it. All surfaces have the verdict **fair**, and the
+error of their curvature is at rounding level. `python docs/gallery.py` creates this page.
 
 ```python
 import numpy as np

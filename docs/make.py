@@ -40,7 +40,7 @@ from compas_cgc.solvers.run import solve
 DOCS = Path(__file__).parent
 
 PICTURES = {
-    "example1_c1": "Example 1, C1: arrows are the last gradient, scaled to one length",
+    "example1_c1": "Example 1, C1: arrows show the last gradient; the longest has the same length in all pictures",
     "example2_nofilter_shape": "Example 2 without a filter, shortly before it diverges (the paper's Fig. 10)",
     "example2_history": "Example 2, iteration history (the paper's Fig. 9)",
     "example4_comparison": "Example 4 by four strategies (the paper's Fig. 18)",

@@ -68,7 +68,7 @@ def report(curves: Sequence[dict], surfaces: Sequence[dict], grids: dict[int, di
         "by this package\nwith the same parameters. n is the number of vertices, n_f of faces, n_i of steps; "
         "μ0 is the first step length and d̄ the filter radius.\nS1 (factor s) and S2 (delay of e steps) are the paper's strategies for "
         "vertices on creases, see the [glossary](glossary.md#the-solve).\nC1 and C2 are the curve flows of Example 1 with the target "
-        "curvatures 0.2 and 1; its internal boundary is a crease in the middle.\n",
+        "curvatures 0.2 and 1. The internal boundary of Example 1 is a crease in the middle of the curve.\n",
         "## Table 1: cost\n",
         _table_1([by_name[name] for name in TABLE_1]),
         "## Table 2: mesh size and error (Example 2 on a square 10 wide, K̄ = 0.01, μ0 = 100, d̄ = 5, 200 steps)\n",
