@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,12 @@ def test_the_tool_for_versions_finds_every_place():
     for place in own["files"]:
         search = place.get("search", "{current_version}").replace("{current_version}", compas_cgc.__version__)
         assert (ROOT / place["filename"]).read_text(encoding="utf-8").count(search) == 1, place["filename"]
+
+
+def test_no_folder_of_tests_is_left_out(pytestconfig):
+    folders = {part for path in (ROOT / "tests").rglob("test_*.py") for part in path.relative_to(ROOT).parts[:-1]}
+    assert "build" in folders
+    assert not [name for name in folders for pattern in pytestconfig.getini("norecursedirs") if fnmatch(name, pattern)]
 
 
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)

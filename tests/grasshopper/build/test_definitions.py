@@ -39,6 +39,7 @@ from ...support.gh_stand_ins import PolylineCurve
 from ...support.gh_stand_ins import rhino  # noqa: F401
 from ...support.gh_stand_ins import rhino_mesh
 from ...support.gh_stand_ins import square
+from ...support.tiers import push_only
 
 ROOT = Path(__file__).parents[3]
 
@@ -260,16 +261,16 @@ def test_a_freeform_roof_gets_panels_from_few_moulds(canvas):
 # ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("definition", [one for one in EXAMPLES if one.rhino >= 8], ids=lambda one: one.name)
-def test_one_headless_solution_gives_a_surface_or_the_cause(definition, canvas, monkeypatch):
+@pytest.mark.parametrize("name", push_only([one.name for one in EXAMPLES if one.rhino >= 8], "first_dome", "own_mesh", "two_strategies"))
+def test_one_headless_solution_gives_a_surface_or_the_cause(name, canvas, monkeypatch):
     monkeypatch.setattr(sys.modules["Rhino"], "RhinoApp", types.SimpleNamespace(IsRunningHeadless=True), raising=False)
-    opened = canvas(definition.name)
+    opened = canvas(name)
     values = opened.solution()
     causes = {"own_mesh": "connect a mesh"}
-    assert any(causes.get(definition.name, "run is False") in cause for cause in opened.balloons("Error"))
-    opened.set.update({"run": [True], **({"Mesh": [square()]} if definition.name == "own_mesh" else {})})
+    assert any(causes.get(name, "run is False") in cause for cause in opened.balloons("Error"))
+    opened.set.update({"run": [True], **({"Mesh": [square()]} if name == "own_mesh" else {})})
     values = opened.solution()
-    surface = "Rationalise" if definition.name == "rationalise" else "Solve"
+    surface = "Rationalise" if name == "rationalise" else "Solve"
     (mesh,) = opened.out(values, surface, "mesh")
     assert max(point.Z for point in mesh.Vertices) > 0.05 and not opened.balloons("Error") and not opened.document.scheduled
 
