@@ -31,6 +31,7 @@ from .edges import region_edges
 from .heights import SECOND_ORDERS
 from .heights import HeightSpace
 from .heights import curvature
+from .joints import Joined
 from .joints import Joints
 from .joints import Region
 from .singular import singular_vertices
@@ -371,7 +372,8 @@ class _System:
         solver = linear_solver(self.size, symmetric=True)
         x = solver.factorise((self.near.T @ near + START_ROUGHNESS * stiff).tocsr()).solve(near.T @ self.heights)
         own, tried = self.counts, []
-        self.smooth = self.joints.smooth(self.joints.at(x).kinks, MAX_SEAM_KINK)
+        joined = self.joints.at(x)
+        self.smooth = self.joints.smooth(joined.kinks, MAX_SEAM_KINK)
         stiff = ROUGHNESS / DISTANCE**2 * stiff
         for looser, outlier, joint in stages:
             K, gradients = curvature(*(part @ x for part in self.parts))
@@ -382,7 +384,6 @@ class _System:
             own = own * np.maximum(1.0, np.abs(off) / (looser * DISTANCE))
             own = own / np.sqrt(own.sum() / count)
             tether = own / count / (looser * DISTANCE) ** 2
-            joined = self.joints.at(x)
             join = 1.0 / (joint * DISTANCE) ** 2 / max(len(joined.gaps), 1)
             bend = self.smooth / KINK**2 / max(len(joined.gaps), 1)
             normal = (
@@ -401,8 +402,9 @@ class _System:
             )
             normal = (normal + DAMPING * normal.diagonal().mean() * sparse.identity(self.size)).tocsr()
             x = x + solver.factorise(normal).solve(right)
+            joined = self.joints.at(x)
             if joint <= MEASURED_GAP:
-                tried.append(self._measured(x))
+                tried.append(self._measured(x, joined))
         # Steps near the end do not always improve a surface that is singular somewhere.
         return min(tried, key=Fit.rank)
 
@@ -413,9 +415,8 @@ class _System:
         rates.data = np.nan_to_num(np.sum(rows, axis=0).ravel(), posinf=0.0, neginf=0.0)
         return rates
 
-    def _measured(self, x: FloatArray) -> Fit:
-        joined, size = self.joints.at(x), self.scale
-        V, F = self.V, self.problem.faces
+    def _measured(self, x: FloatArray, joined: Joined) -> Fit:
+        V, F, size = self.V, self.problem.faces, self.scale
         distant = distances(V[F].mean(axis=1), self.singular) > AWAY * self.edge
         pieces = [self._piece(region, x) for region in self.regions]
         heights = self.near @ x

@@ -10,7 +10,7 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 
-__all__ = ["DEGREE", "SECOND_ORDERS", "Curvature", "HeightSpace", "curvature"]
+__all__ = ["DEGREE", "SECOND_ORDERS", "Curvature", "HeightSpace", "curvature", "located", "nonzero_functions", "tensor_products"]
 
 DEGREE = 4  # K depends on second derivatives, which are then smooth
 MIN_SPANS = 2
@@ -44,11 +44,10 @@ class HeightSpace(NamedTuple):
 
     def basis(self, xy: FloatArray, order: tuple[int, int] = (0, 0)) -> sparse.csr_matrix:
         """Return the values, or derivatives of an order, of the basis functions at points (k, 2): (k, size)."""
-        (one, i), (other, j) = (_window(own, xy[:, axis], order[axis]) for axis, own in enumerate(self.knots))
-        values = (one[:, :, None] * other[:, None, :]).ravel()
-        columns = (i[:, :, None] * self.shape[1] + j[:, None, :]).ravel()
-        rows = np.arange(len(xy) + 1) * (DEGREE + 1) ** 2
-        return sparse.csr_matrix((values, columns, rows), shape=(len(xy), self.size))
+        places = [located(own, xy[:, axis]) for axis, own in enumerate(self.knots)]
+        one, other = (nonzero_functions(own, *at, derivative) for own, at, derivative in zip(self.knots, places, order))
+        first = (places[0][1] - DEGREE) * self.shape[1] + places[1][1] - DEGREE
+        return tensor_products(one, other, first, np.full(len(xy), self.shape[1]), self.size)
 
     def roughness(self) -> sparse.csr_matrix:
         """Return rows (k, size) whose squares sum to the mean squared third derivative of the heights."""
@@ -61,23 +60,35 @@ class HeightSpace(NamedTuple):
         return sparse.vstack([self.basis(grid, order) * np.sqrt(times / len(grid)) for order, times in orders]).tocsr()
 
 
-def _window(knots: FloatArray, x: FloatArray, order: int) -> tuple[FloatArray, IntArray]:
-    """Return the nonzero basis functions (k, DEGREE + 1), or their derivatives, and their indices, by the recursion of Cox and de Boor."""
+def located(knots: FloatArray, x: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return coordinates (k,) inside of the knots, and the indices (k,) of the knots before them."""
     count = len(knots) - DEGREE - 1
     inside = np.clip(x, knots[DEGREE], knots[count])
-    span = np.clip(np.searchsorted(knots, inside, side="right") - 1, DEGREE, count - 1)[:, None]
-    values = np.ones((len(x), 1))
+    return inside, np.clip(np.searchsorted(knots, inside, side="right") - 1, DEGREE, count - 1)
+
+
+def nonzero_functions(knots: FloatArray, x: FloatArray, spans: IntArray, order: int) -> FloatArray:
+    """Return the nonzero basis functions (k, DEGREE + 1) at `located` coordinates, or derivatives, by the recursion of Cox and de Boor."""
+    values, x, spans = np.ones((len(x), 1)), x[:, None], spans[:, None]
     for degree in range(1, DEGREE + 1):
-        low, high = (knots[span + np.arange(first, first + degree)] for first in (1 - degree, 1))
+        low, high = (knots[spans + np.arange(first, first + degree)] for first in (1 - degree, 1))
         share = values / (high - low)
         if degree > DEGREE - order:
             rising, falling = degree * share, -degree * share
         else:
-            rising, falling = (inside[:, None] - low) * share, (high - inside[:, None]) * share
+            rising, falling = (x - low) * share, (high - x) * share
         values = np.zeros((len(x), degree + 1))
         values[:, 1:] = rising
         values[:, :-1] += falling
-    return values, span + np.arange(-DEGREE, 1)
+    return values
+
+
+def tensor_products(one: FloatArray, other: FloatArray, first: IntArray, widths: IntArray, size: int) -> sparse.csr_matrix:
+    """Return products of functions of both directions (k, DEGREE + 1) as rows (k, size), from their first columns and row widths (k,)."""
+    window = np.arange(DEGREE + 1)
+    columns = first[:, None, None] + widths[:, None, None] * window[:, None] + window
+    rows = np.arange(len(first) + 1) * (DEGREE + 1) ** 2
+    return sparse.csr_matrix(((one[:, :, None] * other[:, None, :]).ravel(), columns.ravel(), rows), shape=(len(first), size))
 
 
 class Curvature(NamedTuple):

@@ -11,11 +11,14 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
 from .edges import RegionEdge
+from .heights import DEGREE
 from .heights import HeightSpace
+from .heights import located
+from .heights import nonzero_functions
+from .heights import tensor_products
 
 __all__ = ["Joined", "Joints", "Region"]
 
-FIRST_ORDERS = ((1, 0), (0, 1))
 PROJECTIONS = 2  # steps by which a point of an edge is moved onto its first surface
 
 
@@ -54,6 +57,35 @@ class _Side(NamedTuple):
     axes: FloatArray  # (k, 3, 3)
 
 
+class _Owned:
+    """Points (k,) of regions, and the basis functions of all of them at once, as there may be many regions with few points each."""
+
+    def __init__(self, regions: list[Region], owner: IntArray, size: int):
+        self.size = size
+        self.axes = np.array([own.axes for own in regions])[owner]
+        self.starts, self.widths = (np.array(each)[owner] for each in zip(*((own.start, own.space.shape[1]) for own in regions)))
+        self.each = [[own.space.knots[axis] for own in regions] for axis in (0, 1)]
+        self.points = [np.flatnonzero(owner == number) for number in range(len(regions))]
+
+    def local(self, points: FloatArray) -> FloatArray:
+        """Return points (k, 3) in the axes of their regions."""
+        return np.einsum("kij,kj->ki", self.axes, points)
+
+    def basis(self, plan: FloatArray) -> list[sparse.csr_matrix]:
+        """Return the basis functions at points (k, 2) of the planes of their regions, and both first derivatives, on all coefficients."""
+        first, functions = self.starts, []
+        for axis, columns in enumerate((self.widths, 1)):
+            inside, spans, start = np.empty(len(plan)), np.empty(len(plan), np.int64), 0
+            places = np.empty(len(plan), np.int64)
+            for points, knots in zip(self.points, self.each[axis]):
+                inside[points], places[points] = located(knots, plan[points, axis])
+                spans[points] = start + places[points]
+                start += len(knots)
+            first = first + columns * (places - DEGREE)
+            functions.append([nonzero_functions(np.concatenate(self.each[axis]), inside, spans, order) for order in (0, 1)])
+        return [tensor_products(functions[0][u], functions[1][v], first, self.widths, self.size) for u, v in ((0, 0), (1, 0), (0, 1))]
+
+
 class Joints:
     """Points along the edges of regions; those of shared edges are compared on both surfaces.
 
@@ -75,38 +107,26 @@ class Joints:
     """
 
     def __init__(self, regions: list[Region], edges: list[RegionEdge], lines: list[FloatArray], directions: list[FloatArray], size: int):
-        self.regions, self.size = regions, size
         self.ends = np.cumsum([0, *map(len, lines)])
         number = np.repeat(np.arange(len(edges)), np.diff(self.ends))
         first = np.array([edge.regions[0] for edge in edges])[number]
         second = np.array([edge.regions[1] if len(edge.regions) == 2 else -1 for edge in edges])[number]
-        self.first, self.points, self.directions = first, np.concatenate(lines), np.concatenate(directions)
+        self.points, self.directions = np.concatenate(lines), np.concatenate(directions)
         tangents = np.concatenate([np.gradient(line, axis=0) for line in lines])
-        self.axes = np.stack([regions[k].axes for k in first])
+        self.on_first = _Owned(regions, first, size)
         self.shared = np.flatnonzero(second >= 0)
-        self.second, self.edges = second[self.shared], number[self.shared]
+        self.on_second, self.edges = _Owned(regions, second[self.shared], size), number[self.shared]
         along = tangents[self.shared]
         self.tangents = along / np.linalg.norm(along, axis=1, keepdims=True)
-        self.second_axes = np.stack([regions[k].axes for k in self.second]) if len(self.second) else np.empty((0, 3, 3))
-
-    def _rows(self, owner: IntArray, plan: FloatArray, order: tuple[int, int]) -> sparse.csr_matrix:
-        """Return basis functions at points (k, 2) of the planes of their regions (k,) as rows on all coefficients."""
-        parts, places = [sparse.csr_matrix((0, self.size))], [np.empty(0, np.int64)]
-        for number, region in enumerate(self.regions):
-            here = np.flatnonzero(owner == number)
-            if len(here):
-                parts.append(region.placed(region.space.basis(plan[here], order), self.size))
-                places.append(here)
-        return sparse.vstack(parts).tocsr()[np.argsort(np.concatenate(places), kind="stable")]
 
     def at(self, x: FloatArray) -> Joined:
         """Return the gaps and kinks for coefficients (size,)."""
         points, lift, first = self._on_first(x)
         curves = [points[first:last] for first, last in zip(self.ends, self.ends[1:])]
-        local = np.einsum("kij,kj->ki", self.second_axes, points[self.shared])
-        other, *slopes = (self._rows(self.second, local[:, :2], order) for order in ((0, 0), *FIRST_ORDERS))
-        one = _side(x, (first[0][self.shared], first[1][self.shared]), self.axes[self.shared])
-        two = _side(x, (slopes[0], slopes[1]), self.second_axes)
+        local = self.on_second.local(points[self.shared])
+        other, *slopes = self.on_second.basis(local[:, :2])
+        one = _side(x, (first[0][self.shared], first[1][self.shared]), self.on_first.axes[self.shared])
+        two = _side(x, (slopes[0], slopes[1]), self.on_second.axes)
         gaps = (local[:, 2] - other @ x) * two.upright
         along = self.directions[self.shared]
         turn = np.einsum("ki,ki->k", along, two.normals) * one.upright / np.einsum("ki,ki->k", along, one.normals)
@@ -120,18 +140,14 @@ class Joints:
 
     def _on_first(self, x: FloatArray) -> tuple[FloatArray, sparse.csr_matrix, list[sparse.csr_matrix]]:
         """Return the points of all edges on their first surfaces (k, 3), and the basis functions and their first derivatives there."""
-
-        def basis(points: FloatArray) -> tuple[FloatArray, sparse.csr_matrix, list[sparse.csr_matrix]]:
-            local = np.einsum("kij,kj->ki", self.axes, points)
-            lift, *slopes = (self._rows(self.first, local[:, :2], order) for order in ((0, 0), *FIRST_ORDERS))
-            return local[:, 2], lift, slopes
-
-        points, along = self.points, np.einsum("kij,kj->ki", self.axes, self.directions)
+        points, along = self.points, self.on_first.local(self.directions)
         for _ in range(PROJECTIONS):
-            height, lift, slopes = basis(points)
+            local = self.on_first.local(points)
+            lift, *slopes = self.on_first.basis(local[:, :2])
             rise = along[:, 2] - (slopes[0] @ x) * along[:, 0] - (slopes[1] @ x) * along[:, 1]
-            points = points + ((lift @ x - height) / rise)[:, None] * self.directions
-        return points, *basis(points)[1:]
+            points = points + ((lift @ x - local[:, 2]) / rise)[:, None] * self.directions
+        lift, *slopes = self.on_first.basis(self.on_first.local(points)[:, :2])
+        return points, lift, slopes
 
     def smooth(self, kinks: FloatArray, most: float) -> Mask:
         """Return the points of shared edges whose median kink is at most an angle [rad] (k,)."""

@@ -25,25 +25,25 @@ def design():
 
 def test_a_mesh_becomes_panels_on_two_moulds(monkeypatch):
     placed, own = place("Rationalise"), rhino_mesh(*design())
-    assert placed.run(design=own, panel=2.0, moulds=[2.0])["mesh"] is None and placed.component.Message == "set run to true"
-    out = placed.settle(design=own, panel=2.0, moulds=[2.0], run=True)
-    expected = rationalise(design(), panel=2.0, moulds=2)
-    assert not placed.said("Error") and placed.component.Message == "24 panels, 2 moulds"
+    assert placed.run(design=own, panel=4.0, moulds=[2.0])["mesh"] is None and placed.component.Message == "set run to true"
+    out = placed.settle(design=own, panel=4.0, moulds=[2.0], run=True)
+    expected = rationalise(design(), panel=4.0, moulds=2)
+    assert not placed.said("Error") and placed.component.Message == "6 panels, 2 moulds"
     assert np.array_equal(np.array(out["mesh"].Vertices), expected.result.vertices), "as in Python"
     assert out["classes"] == expected.classes.tolist() and out["curvatures"] == expected.curvatures.tolist()
-    assert len(out["panels"]) == 24 and sum(len(panel.Faces) for panel in out["panels"]) == len(out["mesh"].Faces)
+    assert len(out["panels"]) == 6 and sum(len(panel.Faces) for panel in out["panels"]) == len(out["mesh"].Faces)
     assert max(map(abs, out["distance"])) == pytest.approx(expected.distance.largest) and out["kinks"] == expected.folds.angles.tolist()
     assert len(out["seam_lines"]) == len(expected.panelling.seams) and out["report"] == expected.summary
     moulds = place("Mould").settle(cgc_mesh=out["cgc_mesh"])
-    assert len(moulds["panels"]) == 24 and len(moulds["moulds"]) == 2
+    assert len(moulds["panels"]) == 6 and len(moulds["moulds"]) == 2
     monkeypatch.setattr(module, "rationalise_design", None)
     document = Document()
     document.ValueTable.texts = dict(placed.component.document.ValueTable.texts)
     again = place("Rationalise", document)
     again.component.InstanceGuid = placed.component.InstanceGuid
-    assert again.run(design=own, panel=2.0, moulds=[3.0], run=False)["report"] == out["report"]
+    assert again.run(design=own, panel=4.0, moulds=[3.0], run=False)["report"] == out["report"]
     assert again.component.Message == "set run to true", "it is out of date"
-    back = again.settle(design=own, panel=2.0, moulds=[2.0], run=False)
+    back = again.settle(design=own, panel=4.0, moulds=[2.0], run=False)
     same = [name for name in out if name not in ("mesh", "cgc_mesh", "panels", "seam_lines")]
     assert [back[name] for name in same] == [out[name] for name in same], "when the definition is opened again"
     assert np.array_equal(back["mesh"].Vertices, out["mesh"].Vertices) and back["mesh"].VertexColors == out["mesh"].VertexColors
@@ -52,9 +52,9 @@ def test_a_mesh_becomes_panels_on_two_moulds(monkeypatch):
 
 def test_costs_decide_between_surfaces_within_a_limit():
     placed = place("Rationalise")
-    given = {"design": rhino_mesh(*design()), "panel": 2.0, "limit": 0.5, "run": True, "weights": [0.0, 0.0, 2.0, 1.0, 2.0]}
+    given = {"design": rhino_mesh(*design()), "panel": 4.0, "limit": 0.5, "run": True, "weights": [0.0, 0.0, 2.0, 1.0, 2.0]}
     out = placed.settle(**given, costs=[0.0, 100.0, 5000.0, 400.0, 9000.0, 700.0])
-    assert not placed.said("Error") and out["curvatures"] == [0.0] and "costs: 2,400" in out["report"]
+    assert not placed.said("Error") and out["curvatures"] == [0.0] and "costs: 600" in out["report"]
 
 
 @pytest.mark.parametrize(
