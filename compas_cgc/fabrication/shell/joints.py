@@ -74,7 +74,7 @@ class _Owned:
     def basis(self, plan: FloatArray) -> list[sparse.csr_matrix]:
         """Return the basis functions at points (k, 2) of the planes of their regions, and both first derivatives, on all coefficients."""
         first, functions = self.starts, []
-        for axis, columns in enumerate((self.widths, 1)):
+        for axis, columns in enumerate((self.widths, np.ones_like(self.widths))):
             inside, spans, start = np.empty(len(plan)), np.empty(len(plan), np.int64), 0
             places = np.empty(len(plan), np.int64)
             for points, knots in zip(self.points, self.each[axis]):
