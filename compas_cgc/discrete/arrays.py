@@ -11,6 +11,7 @@ from ..errors import names_what_was_meant
 
 __all__ = [
     "CSRIndices",
+    "EPS",
     "Edges",
     "Faces",
     "FloatArray",
@@ -20,10 +21,14 @@ __all__ = [
     "MeshError",
     "PerFace",
     "PerVertex",
+    "TINY",
     "Vectors",
     "Vertices",
     "mesh_arrays",
 ]
+
+EPS = float(np.finfo(float).eps)  # relative rounding error of float64; by definition
+TINY = float(np.finfo(float).tiny)  # smallest normal float64, which keeps quotients finite; by definition
 
 FloatArray = NDArray[np.float64]
 """Floating-point numbers of any shape."""

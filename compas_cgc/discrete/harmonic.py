@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from .arrays import TINY
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import Mask
@@ -31,7 +32,7 @@ def spread_values(vertices: Vertices, faces: Faces, values: FloatArray, known: M
     if known.all():
         return result
     u, v = edge_faces(faces)[:, :2].T
-    weight = 1.0 / np.maximum(np.linalg.norm(vertices[u] - vertices[v], axis=1), np.finfo(float).tiny)
+    weight = 1.0 / np.maximum(np.linalg.norm(vertices[u] - vertices[v], axis=1), TINY)
     n = len(vertices)
     graph = sparse.csr_matrix((np.r_[weight, weight], (np.r_[u, v], np.r_[v, u])), shape=(n, n))
     rows = (sparse.diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsr()[~known]

@@ -9,6 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from ._memo import remembered
+from .arrays import TINY
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
@@ -26,7 +27,6 @@ JUMPS = 1e-2  # weight of jumps across edges, which decide where no patch does, 
 BENDING = 1e-9  # weight of bending, which decides for a triangle without neighbours alone
 PRECISION, MAX_ROUNDS = 1e-12, 500  # of conjugate gradients: residual against the right side, in the scaled norm
 RECENT = 2  # surfaces whose curvature is remembered
-TINY = float(np.finfo(float).tiny)
 DEGENERATE = 1e-9  # area of a triangle, against the mean, below which it has no normal and is left out
 
 

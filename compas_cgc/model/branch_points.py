@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..discrete import face_normals
+from ..discrete.arrays import TINY
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.local_fits import LocalFits
@@ -73,7 +74,7 @@ def _turns(V: FloatArray, faces: IntArray, bending: FloatArray) -> IntArray:
     """Return the number of half turns of the principal directions around each face (m,)."""
     normals = face_normals(V, faces)
     first = V[faces[:, 1]] - V[faces[:, 0]]
-    first = first / np.maximum(np.linalg.norm(first, axis=1), np.finfo(float).tiny)[:, None]
+    first = first / np.maximum(np.linalg.norm(first, axis=1), TINY)[:, None]
     second: FloatArray = np.asarray(np.cross(normals, first), dtype=np.float64)
     # The two entries of the traceless form in the plane of the face turn twice as fast as the directions.
     corners = bending[faces]
@@ -97,7 +98,7 @@ def _waves(problem: CGCProblem, loop: IntArray) -> int:
     middle = at - at.mean(axis=0)
     ends = V[loop]
     up = np.cross(ends, np.roll(ends, -1, axis=0)).sum(axis=0)
-    up = up / max(float(np.linalg.norm(up)), np.finfo(float).tiny)
+    up = up / max(float(np.linalg.norm(up)), TINY)
     plan = middle - np.outer(middle @ up, up)
     heights = middle @ up - plan @ np.linalg.lstsq(plan, middle @ up, rcond=None)[0]
     most, size = float(np.abs(heights).max(initial=0.0)), float(np.abs(middle).max(initial=0.0))

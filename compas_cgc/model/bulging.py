@@ -22,13 +22,12 @@ from ..meshing import boundary_loops
 from .goals.places import EdgeInPlan
 from .problem import CGCProblem
 from .roles import FIXED
+from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["two_sided_supports"]
 
 MAX_SUPPORTS_TRIPLES = 14  # a region with more supports is checked for collinear supports only
 MAX_SUPPORTS_PAIRS = 60  # a region with more supports is not checked
-LINE_TOLERANCE = 1e-6  # distance from a line, relative to the size of the mesh, that counts as zero
-LEVEL_TOLERANCE = 1e-6  # height relative to the size of the mesh that counts as zero
 MIN_BARYCENTRIC = 1e-3  # smallest barycentric coordinate of a point inside a triangle
 STRAIGHT_COSINE = 1e-14  # 1 - cosine of the turn between edges of a straight side
 SAMPLES = 8  # segments of a line that is tested for lying in the region
@@ -72,7 +71,7 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
     under: Optional[_Between] = None
     level: list[_Between] = []
     for found in _between(problem, F, supports, size):
-        if abs(found.over) <= LEVEL_TOLERANCE * size:
+        if abs(found.over) <= DRAWING_ACCURACY * size:
             if not found.along:
                 level.append(found)
         elif found.over > 0:
@@ -138,7 +137,7 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) 
         corners = plan[list(three)]
         twice = float(_crosses(corners[None])[0])
         others = np.setdiff1d(supports, three)
-        if abs(twice) <= LINE_TOLERANCE * size**2 or not len(others):
+        if abs(twice) <= DRAWING_ACCURACY * size**2 or not len(others):
             continue
         shares = np.column_stack([_crosses(np.stack([_put(corners, k, point) for point in plan[others]])) / twice for k in range(3)])
         on = (shares > MIN_BARYCENTRIC).all(axis=1)
@@ -159,7 +158,7 @@ def _pairs_around(plan: FloatArray, supports: IntArray, size: float) -> tuple[In
     away = places[None] - places[first][:, None]
     share = np.einsum("pki,pi->pk", away, along) / square[:, None]
     off = np.abs(away[..., 0] * along[:, 1:] - away[..., 1] * along[:, :1]) / np.sqrt(square)[:, None]
-    share[~((off <= LINE_TOLERANCE * size) & (share > MIN_BARYCENTRIC) & (share < 1.0 - MIN_BARYCENTRIC))] = np.nan
+    share[~((off <= DRAWING_ACCURACY * size) & (share > MIN_BARYCENTRIC) & (share < 1.0 - MIN_BARYCENTRIC))] = np.nan
     some = np.isfinite(share).any(axis=1)
     return np.column_stack([supports[first], supports[second]])[some], share[some]
 
@@ -202,7 +201,7 @@ def _inside(plan: FloatArray, F: IntArray, points: FloatArray, size: float) -> b
     """Check whether all points (p, 2) lie on faces."""
     corners = plan[F]
     twice = _crosses(corners)
-    slack = LINE_TOLERANCE * size * np.sqrt(np.abs(twice))
+    slack = DRAWING_ACCURACY * size * np.sqrt(np.abs(twice))
     inside = np.ones((len(points), len(F)), bool)
     for k in range(3):
         one, other = corners[:, k], corners[:, (k + 1) % 3]

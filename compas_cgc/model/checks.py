@@ -39,6 +39,7 @@ from .roles import FIXED
 from .roles import FREE
 from .roles import INTERNAL
 from .straight_edges import twisted_edges
+from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
@@ -46,7 +47,6 @@ GENTLE_TOTAL_CURVATURE = 0.5  # total curvature of a region for the suggested ta
 # Total curvature K A of a region beyond which K is probably in other units, whose factor is 1e6 for mm and m, and 1,550 for inches and m:
 # a fold of an angle of .3 degrees, and 8 whole spheres.
 MIN_TOTAL_CURVATURE, MAX_TOTAL_CURVATURE = 3e-5, 1e2
-COLLINEAR_TOLERANCE = 1e-6  # width of a row of supports, relative to the drawing, that still counts as a straight line
 NEEDLE_ANGLE = 10.0  # degrees; where K̄ < 0 a triangle with a smaller angle is reported
 
 
@@ -229,7 +229,7 @@ def turns_about(problem: CGCProblem) -> list[str]:
 
 def _on_one_line(points: FloatArray, around: FloatArray) -> bool:
     across = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1]
-    return bool(across <= COLLINEAR_TOLERANCE * np.ptp(around, axis=0).max())
+    return bool(across <= DRAWING_ACCURACY * np.ptp(around, axis=0).max())
 
 
 def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:

@@ -9,6 +9,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ..discrete import vertex_normals
+from ..discrete.arrays import TINY
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -62,7 +63,7 @@ def fault(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> Fault:
     size = np.sqrt(np.einsum("ij,ij->i", fits.bending[known], fits.bending[known]))
     ends = np.zeros(len(known))
     ends[known] = size
-    both = np.maximum(ends[u] + ends[v], max(float(np.median(size)), np.finfo(float).tiny))
+    both = np.maximum(ends[u] + ends[v], max(float(np.median(size)), TINY))
     normals = vertex_normals(problem.vertices, problem.faces)
     change = _within(fits.bending[u] - fits.bending[v], normals[u] + normals[v]) / both
     jumps = change > max(JUMP, JUMP_OVER_MEDIAN * float(np.median(change)))
@@ -79,7 +80,7 @@ def fault(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> Fault:
 
 def _within(tensors: FloatArray, normals: FloatArray) -> FloatArray:
     """Return the norms (k,) of symmetric tensors (k, 6) restricted to the planes normal to vectors (k, 3)."""
-    squared = np.maximum(np.einsum("ij,ij->i", normals, normals), np.finfo(float).tiny)
+    squared = np.maximum(np.einsum("ij,ij->i", normals, normals), TINY)
     x, y, z = (normals / np.sqrt(squared)[:, None]).T
     xx, yy, zz, yz, zx, xy = tensors.T
     yz, zx, xy = (own / np.sqrt(2.0) for own in (yz, zx, xy))

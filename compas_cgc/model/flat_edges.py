@@ -10,10 +10,9 @@ from ..meshing import boundary_loops
 from ..meshing.existence import plane_of
 from .problem import CGCProblem
 from .roles import FIXED
+from .tolerances import NEGLIGIBLE
 
 __all__ = ["saddle_in_flat_edge"]
-
-FLATNESS = 1e-9  # distance from a plane relative to the size of the edge that counts as zero
 
 
 def saddle_in_flat_edge(problem: CGCProblem) -> list[Sentence]:
@@ -26,7 +25,7 @@ def saddle_in_flat_edge(problem: CGCProblem) -> list[Sentence]:
     if not len(targets) or not (targets < 0.0).all() or len(problem.creases) or not loops:
         return []
     edge = np.concatenate(loops)
-    if not (problem.roles[edge] == FIXED).all() or plane_of(problem.vertices[edge])[1] > FLATNESS:
+    if not (problem.roles[edge] == FIXED).all() or plane_of(problem.vertices[edge])[1] > NEGLIGIBLE:
         return []
     text = (
         "no surface has K < 0 within this edge, all of which is held in a plane: with K < 0 it lies within the convex hull of its edge; "

@@ -16,6 +16,7 @@ from ..errors import Remedy
 from ..errors import Sentence
 from .problem import CGCProblem
 from .roles import FIXED
+from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["dividing_creases", "inward_edges"]
 
@@ -23,7 +24,6 @@ MIN_TURN = np.radians(2.0)  # least turn to the right, with the surface on the l
 MIN_CORNER, MAX_BEND = np.radians(20.0), np.radians(1.0)  # least turn of a corner between straight parts, and largest bend within these
 MAX_CORNERS = 64  # number of the sharpest vertices of a region that are checked
 DIRECTIONS = (0.5, 0.25, 0.75)  # directions of lines through a vertex, as weights of the two sides that meet there
-LEVEL_TOLERANCE = 1e-6  # height relative to the size of the mesh that counts as zero
 
 
 _Crease = list[list[float]]  # both ends in plan [L]
@@ -72,7 +72,7 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[Sentence]:
         return None
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     lines = _lines(problem, faces)
-    level = next((line for line in lines if abs(line.over) <= LEVEL_TOLERANCE * size), None)
+    level = next((line for line in lines if abs(line.over) <= DRAWING_ACCURACY * size), None)
     digits = 2 - int(np.floor(np.log10(size))) if size > 0.0 else 0
     over = max(lines, key=lambda line: line.over, default=None)
     under = min(lines, key=lambda line: line.over, default=None)

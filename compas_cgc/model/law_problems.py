@@ -14,10 +14,9 @@ from .laws import Law
 from .measures import has_free_edges
 from .problem import CGCProblem
 from .roles import FIXED
+from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["law_problems"]
-
-FLATNESS = 1e-6  # distance of a boundary from its plane, relative to its size, below which it counts as plane
 
 
 def law_problems(problem: CGCProblem) -> list[Diagnostic]:
@@ -54,7 +53,7 @@ def _region_problems(problem: CGCProblem, faces: IntArray, region: int, law: Law
             "part of the boundary only: free one side of it, or release supports"
         )
         return [Diagnostic(text)]
-    if len(loops) != 1 or plane_of(problem.vertices[loops[0]])[1] > FLATNESS:
+    if len(loops) != 1 or plane_of(problem.vertices[loops[0]])[1] > DRAWING_ACCURACY:
         return []
     V = problem.vertices
     crosses = np.cross(V[faces[:, 1]] - V[faces[:, 0]], V[faces[:, 2]] - V[faces[:, 0]]).sum(axis=0)

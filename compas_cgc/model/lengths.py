@@ -8,11 +8,11 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from .tolerances import NEGLIGIBLE
 from .units import UNIT_SYMBOLS
 
 __all__ = ["length_text", "place_text", "unit_suffix"]
 
-ZERO_LENGTH = 1e-9  # length relative to the size of a model that is written as 0
 DIGITS = 4
 LARGEST_PLAIN = 1e15  # value from which lengths are written with an exponent
 
@@ -32,7 +32,7 @@ def length_text(value: float, size: float) -> str:
     """
     if not math.isfinite(value):
         return str(value)
-    if abs(value) <= ZERO_LENGTH * size:
+    if abs(value) <= NEGLIGIBLE * size:
         return "0"
     digits = DIGITS + (max(0, math.floor(math.log10(abs(value))) - math.floor(math.log10(size))) if 0.0 < size < math.inf else 0)
     if not 10.0**-DIGITS <= abs(value) < LARGEST_PLAIN:

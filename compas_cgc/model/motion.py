@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
+from .tolerances import NEGLIGIBLE
+from .tolerances import UPRIGHT_COSINE
 
 __all__ = ["Motion", "Similarity", "Triple", "similarity_of"]
 
 Triple = Union[Sequence[float], FloatArray]  # three numbers
-
-ORTHOGONALITY_TOLERANCE = 1e-9  # deviation of the linear part from a scaled rotation or reflection, relative to its scale
-UPRIGHT_COSINE = 1e-12  # 1 - cosine of the tilt below which the z axis counts as vertical
 
 
 class Motion(Protocol):
@@ -105,7 +104,7 @@ def similarity_of(transformation: object) -> Similarity:
     linear = matrix[:3, :3]
     scale = float(np.sqrt((linear**2).sum() / 3.0))
     rotation = linear / (scale or 1.0)
-    uniform = scale > 0.0 and float(np.abs(rotation @ rotation.T - np.eye(3)).max()) <= ORTHOGONALITY_TOLERANCE
+    uniform = scale > 0.0 and float(np.abs(rotation @ rotation.T - np.eye(3)).max()) <= NEGLIGIBLE
     if not uniform or not np.array_equal(matrix[3], (0.0, 0.0, 0.0, 1.0)):
         raise ValueError(
             "a target curvature follows translation, rotation, reflection and uniform scaling only; scale x, y and z by the same factor, "

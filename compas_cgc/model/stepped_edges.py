@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..discrete import edge_faces
+from ..discrete.arrays import TINY
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .problem import CGCProblem
@@ -56,5 +57,5 @@ def _turns(V: FloatArray, row: IntArray) -> tuple[FloatArray, FloatArray]:
     crosses = np.cross(sides[:, :-1], sides[:, 1:])
     sines = np.linalg.norm(crosses, axis=2)
     turns = np.arctan2(sines, np.einsum("kij,kij->ki", sides[:, :-1], sides[:, 1:]))
-    cosines = np.abs(np.einsum("ki,ki->k", crosses[:, 0], crosses[:, 1])) / np.maximum(sines.prod(axis=1), np.finfo(float).tiny)
+    cosines = np.abs(np.einsum("ki,ki->k", crosses[:, 0], crosses[:, 1])) / np.maximum(sines.prod(axis=1), TINY)
     return turns, np.arccos(np.clip(cosines, 0.0, 1.0))

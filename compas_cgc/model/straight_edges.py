@@ -15,10 +15,10 @@ from ..errors import Sentence
 from ..meshing import boundary_loops
 from .problem import CGCProblem
 from .roles import FIXED
+from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["twisted_edges"]
 
-MAX_SINE = 1e-6  # largest sine of the turn within a straight edge
 MIN_CORNER_SINE = np.sin(np.radians(20.0))  # least sine of the turn at a corner
 MIN_TWIST_ERROR = np.radians(8.0)  # difference of twists above which corners visibly fold
 
@@ -81,7 +81,7 @@ def _sides(problem: CGCProblem, loop: IntArray) -> list[_Side]:
             total += float(length[last % len(loop)])
             last += 1
             here = last % len(loop)
-            if corner[here] or not on[here] or turn[here] > MAX_SINE or here == first or np.isin(loop[here], problem.creases):
+            if corner[here] or not on[here] or turn[here] > DRAWING_ACCURACY or here == first or np.isin(loop[here], problem.creases):
                 break
         if corner[here] and here != first:
             side = _side(problem, loop, first, here, total, unit)

@@ -12,6 +12,7 @@ from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete import vertex_areas
+from ..discrete.arrays import TINY
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -58,7 +59,6 @@ MAX_SHARP_SHARE = 0.02  # largest share of edges that may fold too sharply
 NEEDLE_ANGLE = 3.0  # degrees; a smaller angle of a triangle that had at least twice this angle before counts as a needle
 MIN_AREA_KEPT = 0.6  # smallest share of the area of the input in plan that has to remain
 FIT_ERROR_NEAR_SUPPORTS = {3: 0.0, 2: 0.2, 1: 0.35}  # further relative error of fits by distance from supports in edges
-TINY = float(np.finfo(float).tiny)
 MIN_SAMPLES = 12  # least number of vertices for percentiles
 
 

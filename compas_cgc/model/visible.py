@@ -12,6 +12,7 @@ from ..discrete import boundary_vertices
 from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
+from ..discrete.arrays import TINY
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -99,7 +100,7 @@ def dip(problem: CGCProblem, measured: MeasuredCurvature) -> tuple[int, float]:
     if np.linalg.norm(normal) < PLAN_SHARE * areas.sum():
         return -1, 0.0
     bulge = float(np.nansum(measured.mean * measured.areas))
-    up = np.sign(bulge) * normal / max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
+    up = np.sign(bulge) * normal / max(float(np.linalg.norm(normal)), TINY)
     along = np.linalg.svd(np.eye(3) - np.outer(up, up))[0][:, :2]
     plan, heights = V @ along, V @ up
     inside, floor = _floor(plan[fixed], heights[fixed], plan)

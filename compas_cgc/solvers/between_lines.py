@@ -31,6 +31,8 @@ from ..model.roles import FIXED
 from .choices import Choice
 from .coarse import Coarse
 from .coarse import laid_out_anew
+from .constants import CONVERGED
+from .constants import EVEN_VERTICES
 from .determined import missed_goal
 from .determined import numbers_of
 from .determined import numbers_on
@@ -47,11 +49,9 @@ from .settings import Settings
 
 __all__ = ["between_lines", "moves_of_lines"]
 
-EVEN = 600  # vertices of the even triangles on which lines are found
 PLACES = 16  # points of a line per edge of these triangles, among which their vertices are chosen, so that they are evenly spaced
 CORRECTIONS = 8  # of goals; the first leaves about a tenth of the residual
 WAYS = ((1.0, 1.0),), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))  # successive fractions of the fold length and of K̄
-ROUNDED = 1e-10  # residual of goals at rounding level, relative to their numbers or to the size
 
 
 def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
@@ -95,7 +95,7 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
             return between
         met = missed_goal(asked, between) is None
         # Once the goals are met, one more correction reduces their residual to rounding.
-        last = best is not None or missed_goal(asked, between, ROUNDED) is None
+        last = best is not None or missed_goal(asked, between, CONVERGED) is None
         best = between if met else best
         if last or wanted is None or numbers is None:
             break
@@ -226,12 +226,12 @@ def _on_even_triangles(problem: CGCProblem) -> Optional[_Even]:
     """Return a problem on even triangles; None where the drawing has no plan, or lines too close for so few triangles."""
     if not problem.real_faces.all():
         return None
-    step = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()) / EVEN)
+    step = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()) / EVEN_VERTICES)
     edges = problem.vertices[line_edges(problem)]
-    if float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).sum()) > EVEN * step:
+    if float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).sum()) > EVEN_VERTICES * step:
         return None
     fine = with_short_lines(problem, step / PLACES)
-    even = laid_out_anew(fine, EVEN)
+    even = laid_out_anew(fine, EVEN_VERTICES)
     return None if even is None else _Even(problem, fine, even)
 
 

@@ -25,6 +25,7 @@ from ..model.goals.wholes import Whole
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.result import Solution
+from ..model.tolerances import DRAWING_ACCURACY
 from .projection.limits import has_number
 from .projection.limits import number_had
 from .projection.limits import number_of
@@ -32,7 +33,6 @@ from .projection.limits import with_number
 
 __all__ = ["determining", "held_to_goals", "missed_goal", "numbers_of", "numbers_on", "with_numbers"]
 
-MISSED = 1e-6  # of a number or of the size of the mesh, from which a goal is not met
 MEND = "ask for another K, or free a part of the rim"
 FIND = Sentence("let K be found (unknown), ", [FOUND])
 HELD = "its goals hold of the one surface that the rim and K determine"
@@ -99,7 +99,7 @@ def _met_by(problem: CGCProblem, goal: Constraint, solve: Callable[[CGCProblem],
     return Sentence(f"; K = {K:.3g} has it", [Remedy("targets", K)])
 
 
-def missed_goal(problem: CGCProblem, solution: Solution, within: float = MISSED) -> Optional[_Missed]:
+def missed_goal(problem: CGCProblem, solution: Solution, within: float = DRAWING_ACCURACY) -> Optional[_Missed]:
     """Return the first goal that a surface misses by more than a part of its number or of the size, None where all are met."""
     size = float(np.ptp(problem.vertices, axis=0).max())
     for goal in problem.goals:

@@ -16,10 +16,10 @@ from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Rise
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
+from .constants import SIDE_SHARE
 
 __all__ = ["hangs", "is_drawn_below"]
 
-SAID = 0.05  # of the depth of a drawing, against the rise of a cap of its area and K, that says that the bowl is meant
 BENT = 0.1  # of its mean curvature, against the root of K, below which it does not
 
 
@@ -43,7 +43,7 @@ def is_drawn_below(problem: CGCProblem) -> bool:
     # A rim that sags says nothing: what counts is what lies under the surface that is taut over it.
     away = np.einsum("ij,ij->i", problem.vertices - _taut(problem), vertex_normals(problem.vertices, problem.faces))
     rise = float(face_areas(problem.vertices, problem.faces).sum()) * math.sqrt(K) / (4.0 * math.pi)
-    return float(np.mean(away[asked])) < -SAID * rise
+    return float(np.mean(away[asked])) < -SIDE_SHARE * rise
 
 
 def _taut(problem: CGCProblem) -> FloatArray:

@@ -20,6 +20,7 @@ from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from ..model.verdict import Verdict
 from .coarse import coarsened
+from .constants import LARGE_MESH
 from .projection.drawing import as_meant
 from .rising import GROWTH
 from .rising import Bracket
@@ -30,7 +31,6 @@ __all__ = ["Limit", "largest_target", "raised"]
 FINE = 1200  # vertices above which the search begins on a coarser mesh of the same drawing
 PART = 2 / 3  # of so many, its vertices
 EACH = 16  # vertices for a region, with which a coarser mesh still tells how it bends
-FINEST = 6000  # vertices above which it ends there
 SURELY = 1.15  # what was not carried, against what was, up to which no more is to be had
 
 
@@ -154,7 +154,7 @@ def raised(
             return _told(problem, bracket, rising.count)
     elsewhere = Rising(coarse.problem, tolerance, solves, work or Work(math.inf), most)
     bracket = elsewhere.narrowed(elsewhere.begun())
-    if bracket.carried is None or count > FINEST:
+    if bracket.carried is None or count > LARGE_MESH:
         return _told(problem, bracket, elsewhere.count, coarser=True)
     rising = Rising(problem, tolerance, solves, own or Work(math.inf), most)
     falling = sorted(elsewhere.trail, key=lambda one: -one.factor)

@@ -15,6 +15,7 @@ from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..linalg.work import Work
 from ..linalg.work import is_spent
+from ..model.checks import GENTLE_TOTAL_CURVATURE
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.result import Solution
@@ -25,7 +26,6 @@ from .projection.settings import ProjectionSettings
 
 __all__ = ["GROWTH", "Bracket", "Carried", "Rising"]
 
-LOW = 0.5  # total curvature [rad] to begin with, where targets are of either sign of the largest region
 LEAST = 1 / 64  # of that, below which there is none
 GROWTH = 1.5  # of the targets from one to the next
 FALL = 0.95  # of targets that were carried elsewhere, from one to the next
@@ -104,7 +104,7 @@ class Rising:
 
     def begun(self) -> Bracket:
         """Return a gentle surface, or the smallest factor that was not carried."""
-        factor = first = min(self._most, LOW / self._total)
+        factor = first = min(self._most, GENTLE_TOTAL_CURVATURE / self._total)
         carried = self.tried(factor, None)
         while carried is None and factor > LEAST * first and not self.over:
             factor /= 4.0

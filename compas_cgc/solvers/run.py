@@ -37,6 +37,7 @@ from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.result import SolveState
 from ..model.roles import DUMMY
+from ..model.tolerances import NEGLIGIBLE
 from .continued import solved_on
 from .half_sphere import with_half_a_sphere
 from .registry import METHODS
@@ -48,8 +49,6 @@ from .selection import run_auto
 from .settings import Settings
 
 __all__ = ["chosen_settings", "solve"]
-
-ROUNDED = 1e-9  # of a K that was found, by which it may pass its bounds
 
 
 def _instead(name: str) -> str:
@@ -189,7 +188,7 @@ def _allowed(problem: CGCProblem, solution: Solution) -> Solution:
             drawn, goal = drawn_constant(problem, region), constant.goal
             if goal.sign is None and goal.bounds is None and np.isfinite(drawn) and drawn:
                 goal = replace(goal, sign=int(np.sign(drawn)))
-            slack = ROUNDED * abs(K)
+            slack = NEGLIGIBLE * abs(K)
             if region not in problem.laws and not goal.least - slack <= K <= goal.largest + slack:
                 said = f"the other goals ask for K = {K:.6g} in region {region}, which shall be {goal.words}; change one of them"
                 return solution._replace(status="infeasible", message=f"infeasible: {said}", verdict=None)

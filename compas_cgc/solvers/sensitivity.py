@@ -36,7 +36,11 @@ from ..model.measures import is_held_along_edges
 from ..model.measures import read_across
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
+from ..model.tolerances import ROUNDING
 from .between_lines import moves_of_lines
+from .constants import CONVERGED
+from .constants import ELSEWHERE
+from .constants import KRYLOV
 from .projection.settings import ProjectionSettings
 from .settings import Settings
 
@@ -45,10 +49,8 @@ __all__ = ["Sensitivity", "sensitivity"]
 # Of units that files name: a smaller one that designers speak of, and how many of it make one.
 _SMALLER = {"Meters": ("mm", 1e3), "Centimeters": ("mm", 10.0), "Millimeters": ("mm", 1.0), "Feet": ("in", 12.0), "Inches": ("in", 1.0)}
 NEARER = 3  # Newton's steps to the very fairest surface, near which a solve ends
-STILL, AWAY = 1e-10, 1e-2  # steps, in the local frame, that are none, and that lead elsewhere
-NONE = 1e-12  # change, against the size of the surface, that is none
 SMALL = 1e-5  # longest move, in the local frame, of a difference quotient of the layout's part
-KRYLOV, REFINED, PRECISE = 60, 4, 1e-7  # steps of GMRES for what the layout's part changes, its restarts, and the residual
+REFINED, PRECISE = 4, 1e-7  # steps of GMRES for what the layout's part changes, its restarts, and the residual
 
 Moves = Callable[[FloatArray], FloatArray]  # of the vertices (n, 3), to first order, by a change of K (k,)
 
@@ -105,7 +107,7 @@ class Sensitivity:
         what = f"1 % more {name}" if c > 0 else f"1 % more negative {name}" if c < 0 else f"{more:.3g} more {name}"
         lift = float(self.height[number]) * (-more if c < 0 else more)
         where = "" if len(self.regions) == 1 else f" in region {self.regions[number]}"
-        if abs(lift) <= NONE * self.size:
+        if abs(lift) <= ROUNDING * self.size:
             return f"{what}{where} leaves the crown where it is"
         unit, factor = _SMALLER.get(self.units or "", ("", 1.0))
         amount = f"{abs(lift) * factor:.3g} {unit}".rstrip() if unit else f"{abs(lift):.3g}"
@@ -288,7 +290,7 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
             moved = partial(_layout_change, point.vertices, equations.faces, system.rows)
             step = step + _with_layout(partial(solved.moves, equations), moved)(moved(step))
         longest = float(np.abs(step).max(initial=0.0))
-        if not STILL < longest < AWAY:
+        if not CONVERGED < longest < ELSEWHERE:
             break
         equations = posed_at(point.vertices + step)
         point = system.at(point.vertices + step, equations)

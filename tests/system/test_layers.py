@@ -33,7 +33,7 @@ LAYERS = [
 PUBLIC = {"__init__", "__main__"}  # the face of the package, which names everything
 INSIDE = {
     "solvers": [
-        {"settings"},
+        {"constants", "settings"},
         {"allowance", "method", "carried", "coarse", "half_sphere"},
         {"newton", "polish"},
         {"projection"},

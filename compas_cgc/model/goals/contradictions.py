@@ -15,6 +15,7 @@ from ..constraints import Constraint
 from ..constraints import Height
 from ..problem import CGCProblem
 from ..roles import FIXED
+from ..tolerances import NEGLIGIBLE
 from .binding import bind
 from .binding import support_height
 from .binding import unknown_regions
@@ -39,7 +40,6 @@ __all__ = ["bound_problems", "goal_problems", "refuse_impossible"]
 
 MAX_LENGTH_RATIO = 50.0  # length over the size of the mesh above which it is probably in other units
 MIN_RISE_RATIO = 5e-4  # rise over the size of the mesh below which it is probably in other units
-RELATIVE_TOLERANCE = 1e-9  # difference over the size of the mesh that counts as zero
 
 
 def refuse_impossible(problem: CGCProblem) -> None:
@@ -122,7 +122,7 @@ def bound_problems(problem: CGCProblem) -> Iterator[str]:
             over = float(np.abs(goal.height - levels).min(initial=np.inf))
             if beyond > MAX_LENGTH_RATIO * size:
                 yield f"{goal_name(goal)} has no effect on a mesh of size {size:.3g}; check its units: they must be those of the drawing"
-            elif RELATIVE_TOLERANCE * size < over < MIN_RISE_RATIO * size:
+            elif NEGLIGIBLE * size < over < MIN_RISE_RATIO * size:
                 yield (
                     f"{goal_name(goal)} is {over:.3g} from the level of a support, which is negligible against the size of the mesh, "
                     f"{size:.3g}; check its units: they must be those of the drawing"
@@ -165,14 +165,14 @@ def _pairs(problem: CGCProblem) -> Iterator[str]:
             key, value = ("length", min(path, path[::-1])), goal.length
         else:
             continue
-        if key in seen and abs(seen[key][0] - value) > RELATIVE_TOLERANCE * size:
+        if key in seen and abs(seen[key][0] - value) > NEGLIGIBLE * size:
             yield Sentence("{} and {} contradict each other; remove one of them").format(seen[key][1], goal_name(goal))
         seen[key] = (value, goal_name(goal))
 
 
 def _held(problem: CGCProblem) -> Iterator[str]:
     """Return messages for supports that violate a goal."""
-    rounding = RELATIVE_TOLERANCE * _size(problem)
+    rounding = NEGLIGIBLE * _size(problem)
     supports = np.flatnonzero(problem.roles == FIXED)
     for goal in problem.goals:
         if isinstance(goal, Within) and isinstance(goal.vertices, str) and len(supports):
@@ -210,7 +210,7 @@ def _too_small(problem: CGCProblem) -> Iterator[str]:
         if isinstance(goal, Area) and rim.any() and (problem.roles[rim] == FIXED).all():
             a, b, c = (problem.vertices[faces[:, k]] for k in range(3))
             least = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a).sum(axis=0)))
-            if goal.area <= least * (1.0 + RELATIVE_TOLERANCE):
+            if goal.area <= least * (1.0 + NEGLIGIBLE):
                 yield f"{goal_name(goal)} must be larger than {least:.6g}, the least area that the fixed boundary allows"
         elif isinstance(goal, Length) and any(one == other for one, other in zip(goal.vertices, goal.vertices[1:])):
             yield f"{goal_name(goal)} names a vertex twice in a row; name each vertex of the path once, in order"

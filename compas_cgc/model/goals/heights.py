@@ -20,6 +20,8 @@ from ..constraints import indices
 from ..constraints import unit
 from ..problem import CGCProblem
 from ..roles import FIXED
+from ..tolerances import NEGLIGIBLE
+from ..tolerances import UPRIGHT_COSINE
 from .binding import bind
 from .binding import support_height
 from .inequalities import Above
@@ -35,8 +37,6 @@ from .wholes import Volume
 
 __all__ = ["about", "height_clashes"]
 
-RELATIVE_TOLERANCE = 1e-9  # difference relative to the size of the mesh that counts as zero
-UPRIGHT_COSINE = 1e-12  # tolerance of 1 - cosine for a vertical normal
 VOLUME_TOLERANCE = 0.02  # part of the plan area that the boundary edges may cut off at corners of their line
 CONTRADICTION = Sentence("{} and {} contradict each other{}; remove one of them")
 
@@ -76,7 +76,7 @@ class _Ends(NamedTuple):
 def height_clashes(problem: CGCProblem) -> Iterator[str]:
     """Return messages for goals without a common height: at a vertex, at the crown or the lowest point, of a volume, along a path."""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
-    rounding = RELATIVE_TOLERANCE * size
+    rounding = NEGLIGIBLE * size
     ranges = list(_ranges(problem))
     heights = _together(problem, ranges)
     crossed = np.flatnonzero(heights.low > heights.high + rounding)

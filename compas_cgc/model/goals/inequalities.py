@@ -17,6 +17,7 @@ from ..constraints import Constraint
 from ..constraints import unit
 from ..motion import Motion
 from ..motion import Triple
+from ..tolerances import NEGLIGIBLE
 from .numbers import ALL
 from .numbers import Vertices
 from .numbers import check_finite
@@ -25,7 +26,6 @@ from .numbers import in_plan
 
 __all__ = ["Above", "Below", "Bound", "Clearance", "NearPlane", "Within"]
 
-ON_LINE_TOLERANCE = 1e-9  # distance from a line, relative to its size, that counts as zero
 Where = Union[int, Sequence[float], Sequence[Sequence[float]], FloatArray]
 
 
@@ -222,7 +222,7 @@ class Within(Bound):
         turn = 1.0 if _turns_left(line) else -1.0
         across = turn * np.column_stack([-tangents[:, 1], tangents[:, 0], np.zeros(len(points))])
         signed = np.where(inside, distance, -distance)
-        apart = distance > ON_LINE_TOLERANCE * float(np.ptp(line))
+        apart = distance > NEGLIGIBLE * float(np.ptp(line))
         return signed, np.where(apart[:, None], away / np.where(apart, signed, 1.0)[:, None], across)
 
 

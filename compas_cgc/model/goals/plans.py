@@ -16,6 +16,7 @@ from ...meshing.in_outline import inside_outline
 from ..constraints import Constraint
 from ..constraints import unit
 from ..problem import CGCProblem
+from ..tolerances import NEGLIGIBLE
 from .binding import bind
 from .heights import about
 from .inequalities import NearPlane
@@ -27,16 +28,13 @@ from .places import Level
 
 __all__ = ["plan_clashes"]
 
-RELATIVE_TOLERANCE = 1e-9  # difference relative to the size of the mesh that counts as zero
-UPRIGHT_TOLERANCE = 1e-9  # z of the unit normal of a vertical plane that counts as zero
-
 
 def plan_clashes(problem: CGCProblem) -> Iterator[str]:
     """Return messages for goals without a common position in plan, and for planes too far apart."""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     goals = [goal for goal in problem.goals if isinstance(goal, (Within, NearPlane, EdgeInPlan, Level))]
     for one, other in combinations(goals, 2):
-        said = _apart(problem, one, other, RELATIVE_TOLERANCE * size)
+        said = _apart(problem, one, other, NEGLIGIBLE * size)
         if said is not None:
             yield Sentence("{} and {} contradict each other{}").format(goal_name(one), goal_name(other), said)
 
@@ -67,7 +65,7 @@ def _apart(problem: CGCProblem, one: Constraint, other: Constraint, rounding: fl
 def _planes_apart(problem: CGCProblem, one: NearPlane, other: NearPlane, rounding: float) -> Optional[str]:
     first, second = (unit(goal.normal, "the normal of a plane") for goal in (one, other))
     apart = abs(float((np.asarray(other.point, float) - np.asarray(one.point, float)) @ first))
-    parallel = float(np.linalg.norm(np.cross(first, second))) <= RELATIVE_TOLERANCE
+    parallel = float(np.linalg.norm(np.cross(first, second))) <= NEGLIGIBLE
     if not parallel or apart <= one.distance + other.distance + rounding:
         return None
     if not len(np.intersect1d(about(problem, one), about(problem, other))):
@@ -135,7 +133,7 @@ def _slack(within: Constraint, points: FloatArray) -> Optional[FloatArray]:
 def _off(plane: NearPlane, points: FloatArray) -> Optional[FloatArray]:
     """Return the signed distance of points in plan from a vertical plane (k,), None for any other plane."""
     normal = unit(plane.normal, "the normal of a plane")
-    if abs(normal[2]) > UPRIGHT_TOLERANCE:
+    if abs(normal[2]) > NEGLIGIBLE:
         return None
     return np.asarray((points[:, :2] - np.asarray(plane.point, float)[:2]) @ normal[:2])
 

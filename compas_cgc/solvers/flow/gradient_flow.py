@@ -26,6 +26,7 @@ from ...model.recorder import Recorder
 from ...model.result import Solution
 from ...model.roles import CREASE
 from ..allowance import FLOW_STEP
+from ..constants import RUNAWAY
 from ..half_sphere import rounder_than_half_a_sphere
 from .filter import GradientFilter
 from .linesearch import armijo_line_search
@@ -33,7 +34,6 @@ from .settings import FlowSettings
 
 __all__ = ["flow"]
 
-RUNAWAY = 2.0  # a vertex that moved this many diagonals of the model will not come back
 ASTRAY = 2.0  # a run that ends this many times farther from the target than it began has not been slow but lost
 EXPLOSION = 1e3  # curvature error, against the first one and the target, that tells of torn meshes
 

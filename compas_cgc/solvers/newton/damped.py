@@ -9,17 +9,17 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ..constants import ARMIJO
+from ..constants import LOOSE_RESIDUAL
 from .system import Shape
 from .system import Step
 from .system import System
 
 __all__ = ["at_rounding", "damped_newton"]
 
-ARMIJO = 1e-4  # part of the expected decrease of the residual that a step must bring
 CRAWL = 0.25  # damping factor of a step that is short
 PATIENCE = 10  # short steps in a row that lead nowhere
 WORTHWHILE = 0.1  # factor on the residual that makes a step with old factors pay
-CLOSE = 1e-3  # residual of the linear systems of large meshes
 ROUNDING = 10.0  # residuals of so many rounding errors are zero
 
 
@@ -53,7 +53,7 @@ def damped_newton(system: System, shape: Shape, tolerance: float, shortest: floa
     crawled = 0
     while not system.meets(shape, tolerance):
         J = system.equations.jacobian(shape.vertices, shape.normal)
-        move = system.solving_nearly(J, CLOSE)(-shape.residual)
+        move = system.solving_nearly(J, LOOSE_RESIDUAL)(-shape.residual)
         step = _shortened(system, shape, move, shortest)
         crawled = crawled + 1 if step is None or step.length < CRAWL else 0
         if step is None or crawled > PATIENCE:
@@ -88,7 +88,7 @@ def _repeated(system: System, shape: Shape, tolerance: float) -> Shape:
         if system.many:
             if system.meets(shape, tolerance):
                 return shape
-            solve = system.solving_nearly(system.equations.jacobian(shape.vertices, shape.normal), CLOSE)
+            solve = system.solving_nearly(system.equations.jacobian(shape.vertices, shape.normal), LOOSE_RESIDUAL)
         there = system.moved(shape, solve(-shape.residual), shape.normal)
         if not there.largest < (0.5 if system.meets(shape, tolerance) else WORTHWHILE) * shape.largest:
             return shape

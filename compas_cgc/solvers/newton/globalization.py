@@ -11,6 +11,8 @@ from ...discrete.space_form import SpaceFormEquations
 from ...linalg import SingularMatrixError
 from ...meshing.existence import Overload
 from ...meshing.existence import overload
+from ..constants import RUNAWAY
+from ..constants import WITHIN_REACH
 from .damped import at_rounding
 from .damped import damped_newton
 from .elliptic import elliptic_steps
@@ -22,10 +24,8 @@ from .system import System
 
 __all__ = ["Outcome", "exact_steps", "is_near", "steps_of"]
 
-NEAR = 0.5  # error of K, against its target, from which Newton's method needs no other start
 BOUNDS = (1.0, 10.0, 100.0)  # factors on Λ of one elliptic start after the other
 SAME = 1e-3  # distance, against the diagonal, of a start that is no other start
-RUNAWAY = 2.0  # a vertex that moved this many diagonals of the model will not come back
 
 Outcome = tuple[str, Union[str, Overload]]  # status, and what was noticed where it is not "converged"
 
@@ -78,7 +78,7 @@ def exact_steps(system: System, shape: Shape, settings: NewtonSettings) -> Gener
 def is_near(system: System, shape: Shape) -> bool:
     """Return whether Newton's method needs no other start than a shape."""
     scale = np.where(system.targets > 0, system.targets, system.scale)
-    return bool((np.abs(shape.curvature - system.targets) <= NEAR * scale).all())
+    return bool((np.abs(shape.curvature - system.targets) <= WITHIN_REACH * scale).all())
 
 
 def _by_newton(system: System, shape: Shape, settings: NewtonSettings) -> Generator[Step, None, str]:

@@ -9,6 +9,9 @@ import numpy as np
 
 from ...linalg import SingularMatrixError
 from ...model.goals.binding import Equation
+from ..constants import ARMIJO
+from ..constants import LOCAL_ROUNDING
+from ..constants import MAX_STEPS
 from .elliptic import elliptic_steps
 from .globalization import is_near
 from .settings import NewtonSettings
@@ -18,9 +21,6 @@ from .system import System
 
 __all__ = ["Sought", "steps_to_goal"]
 
-MOST = 30  # steps
-ARMIJO = 1e-4  # part of the expected decrease that a step must bring
-MET = 1e-13  # of a goal, in the local frame, that is rounding
 LARGEST = 0.5  # change of K in a step, as a part of it
 GUESSES = 6  # for K, each half of the one before: the cap of a high rise over a disk has more than narrower plans carry
 
@@ -46,10 +46,10 @@ def steps_to_goal(system: System, start: Shape, goal: Equation, settings: Newton
         shape, begun = yield from _begun(system.with_curvature(K), start, settings)
         K = K if begun else 0.5 * K
     try:
-        for _ in range(MOST):
+        for _ in range(MAX_STEPS):
             own = system.with_curvature(K)
             shape = own.measure(shape.vertices)
-            if own.meets(shape, settings.tolerance) and abs(goal.value(shape.vertices) - goal.wanted) <= MET:
+            if own.meets(shape, settings.tolerance) and abs(goal.value(shape.vertices) - goal.wanted) <= LOCAL_ROUNDING:
                 return "converged", "", own
             found = _step(own, shape, K, goal, settings.shortest)
             if found is None:
@@ -95,7 +95,7 @@ def _step(system: System, shape: Shape, K: float, goal: Equation, shortest: floa
         other = system.with_curvature(K + length * change)
         there = other.moved(shape, length * move, shape.normal)
         # Near the end a step is rounding; there it has only to do no harm.
-        if _missing(other, there, goal) <= max((1 - ARMIJO * length) * before, MET) and (there.mean[convex] > 0).all():
+        if _missing(other, there, goal) <= max((1 - ARMIJO * length) * before, LOCAL_ROUNDING) and (there.mean[convex] > 0).all():
             return Step(there, length, trials), K + length * change
         length, trials = length / 2, trials + 1
     return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...discrete import _kernels
+from ...discrete.arrays import TINY
 from ...discrete.arrays import FloatArray
 from ...discrete.laplacian import cotangent_stiffness
 from ...discrete.sparsity import RingPattern
@@ -33,7 +34,7 @@ def membrane(system: System) -> FloatArray:
     vertices, faces = system.problem.vertices, system.problem.faces
     halves = _kernels.cross_vectors(vertices, faces)
     across = halves.sum(axis=0)
-    up = across / max(float(np.linalg.norm(across)), np.finfo(float).tiny)
+    up = across / max(float(np.linalg.norm(across)), TINY)
     pattern = RingPattern(faces, len(vertices), system.asked, np.arange(len(vertices)))
     if (halves @ up > 0).all():
         heights = vertices @ up

@@ -11,12 +11,12 @@ from ...discrete.space_form import space_form_angle_sums
 from ...linalg import SingularMatrixError
 from ...model.frame import Frame
 from ...model.problem import CGCProblem
+from ..constants import WORTHWHILE
 from .system import System
 
 __all__ = ["model_errors", "polished"]
 
 ROUNDED = 5e-15  # residual that rounding the sum of a ring's angles alone explains [rad]
-GAIN = 0.5  # factor on the residual that makes another round pay
 
 
 def model_errors(problem: CGCProblem, vertices: FloatArray, measure: str = "defect") -> tuple[FloatArray, FloatArray]:
@@ -63,7 +63,7 @@ def polished(system: System, problem: CGCProblem, frame: Frame, vertices: FloatA
             trial = vertices.copy()
             trial[system.asked, axis] += frame.scale * system.solver.solve(-residual)
             remaining = model_errors(problem, trial, measure)[0]
-            if not np.abs(remaining).max() < GAIN * np.abs(residual).max():
+            if not np.abs(remaining).max() < WORTHWHILE * np.abs(residual).max():
                 return vertices
             vertices, residual = trial, remaining
     except SingularMatrixError:

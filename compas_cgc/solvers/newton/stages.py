@@ -9,6 +9,8 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.smooth_measure import is_irregular
 from ...discrete.space_form import EXACT
+from ...model.tolerances import ROUNDING
+from ..constants import CONVERGED
 from .globalization import is_near
 from .system import Shape
 from .system import System
@@ -16,9 +18,7 @@ from .system import System
 __all__ = ["Stages"]
 
 ROUNDS = 20  # of the smooth measure
-STILL = 1e-10  # change of its targets, against the largest, that rounding leaves
 KEPT = 4  # rounds before the last that the next targets are mixed from
-ALIKE = 1e-12  # size of what rounds have changed, against the most, that says nothing more
 
 
 class Stages:
@@ -38,7 +38,7 @@ class Stages:
     """
 
     def __init__(self, first: System, measure: str, tolerance: float):
-        self.first, self.measure, self.still = first, measure, max(STILL, tolerance)
+        self.first, self.measure, self.still = first, measure, max(CONVERGED, tolerance)
         self.rounds: list[tuple[FloatArray, FloatArray]] = []  # layouts that were met, and those of the shape then
         self.count = 0
 
@@ -76,7 +76,7 @@ class Stages:
         if met.shape[1] == 1:
             return told[:, -1]
         left = (told - met)[self.first.asked]
-        share = np.linalg.lstsq(np.diff(left), left[:, -1], rcond=ALIKE)[0]
+        share = np.linalg.lstsq(np.diff(left), left[:, -1], rcond=ROUNDING)[0]
         return told[:, -1] - np.diff(told) @ share
 
     def measure_of(self, system: System) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy import sparse
 
 from ...discrete import _kernels
+from ...discrete.arrays import EPS
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Vertices
 from ...discrete.evaluation import Measure
@@ -22,12 +23,11 @@ from ...linalg import LinearSolver
 from ...linalg import linear_solver
 from ...linalg import nearly_solved
 from ...model.problem import CGCProblem
+from ..constants import LOCAL_ROUNDING
 
 __all__ = ["Shape", "Step", "System"]
 
-EPS = np.finfo(np.float64).eps
 MANY = 10_000  # unknowns
-ROUNDED = 1e-13  # residual that says no more of a shape than rounding [rad]
 
 Solve = Callable[[FloatArray], FloatArray]
 
@@ -178,7 +178,7 @@ class System:
 
     def meets(self, shape: Shape, tolerance: float) -> bool:
         """Return whether no |K - K̄| exceeds this part of the largest |K̄|, or what does is rounding."""
-        return bool((np.abs(shape.residual) <= np.maximum(tolerance * self.scale * shape.area, ROUNDED)).all())
+        return bool((np.abs(shape.residual) <= np.maximum(tolerance * self.scale * shape.area, LOCAL_ROUNDING)).all())
 
     def dents(self, shape: Shape) -> int:
         """Return how many vertices bend the other way than most, of those where K̄ > 0."""

@@ -25,11 +25,10 @@ from ...model.goals.places import Level
 from ...model.goals.wholes import Rise
 from ...model.goals.wholes import Whole
 from ...model.problem import CGCProblem
+from ...model.tolerances import NEGLIGIBLE
+from ...model.tolerances import ROUNDING
 
 __all__ = ["Conditions", "Met"]
-
-NONE = 1e-9  # part of a unit vector, or distance in the local frame, that is none
-ROUNDED = 1e-12  # what is missed in the local frame, that is rounding
 
 
 class Met(NamedTuple):
@@ -49,7 +48,7 @@ class Met(NamedTuple):
     @property
     def is_met(self) -> bool:
         """Whether all are, but for rounding."""
-        return bool(np.abs(self.places).max(initial=0.0) <= ROUNDED and np.abs(self.missed).max(initial=0.0) <= ROUNDED)
+        return bool(np.abs(self.places).max(initial=0.0) <= ROUNDING and np.abs(self.missed).max(initial=0.0) <= ROUNDING)
 
 
 class Conditions:
@@ -77,12 +76,12 @@ class Conditions:
         self._placed, self._kept = np.ones(len(self.vertices), bool), np.ones(len(self._touching), bool)
         self._nothing: Optional[Met] = None
         met = self.at(V)
-        self._placed = np.abs(met.place_slopes).max(axis=1, initial=0.0) > NONE
-        self._kept = np.asarray(abs(met.slopes).sum(axis=1)).ravel()[met.one_sided] > NONE
+        self._placed = np.abs(met.place_slopes).max(axis=1, initial=0.0) > NEGLIGIBLE
+        self._kept = np.asarray(abs(met.slopes).sum(axis=1)).ravel()[met.one_sided] > NEGLIGIBLE
         self.can_be_met = (
             all(isinstance(own, (Whole, Bound, PositionConstraint)) for own in problem.goals)
-            and all((_place(own, V[at], self._directions[at])[2] <= NONE).all() for own, at in self._places)
-            and bool((met.values[met.one_sided][~self._kept] >= -NONE).all())
+            and all((_place(own, V[at], self._directions[at])[2] <= NEGLIGIBLE).all() for own, at in self._places)
+            and bool((met.values[met.one_sided][~self._kept] >= -NEGLIGIBLE).all())
         )
         self.vertices, self._touching = self.vertices[self._placed], self._touching[self._kept]
         self._nothing = None if self.count else self.at(V)
@@ -154,7 +153,7 @@ def _place(place: PositionConstraint, points: FloatArray, directions: FloatArray
         aside = np.abs(np.hstack([along, away[:, :2]])).max(axis=1)
         return np.diff(points[:, 2]), np.column_stack([up[1:], -up[:-1]]), aside
     size = np.linalg.norm(along, axis=1)
-    unit = along / np.maximum(size, NONE)[:, None]
+    unit = along / np.maximum(size, NEGLIGIBLE)[:, None]
     distance = np.einsum("ki,ki->k", away, unit)
     return distance, np.column_stack([size, np.zeros_like(size)]), np.linalg.norm(away - distance[:, None] * unit, axis=1)
 

@@ -12,6 +12,8 @@ from ...errors import ProblemError
 from ...linalg import nearly_solved
 from ...model.laws import ConstantCurvature
 from ...model.problem import CGCProblem
+from ..constants import CONVERGED
+from ..constants import KRYLOV
 from .lagrangian import Lagrangian
 from .lagrangian import State
 from .optimiser import regularisation
@@ -25,7 +27,6 @@ from .starts import from_surface
 
 __all__ = ["moves_by_constants"]
 
-PRECISE, ROUNDS = 1e-10, 60  # relative residual of derivatives, and directions for it
 STEPS = 20  # back to the angles of the edges, which a surface does not carry
 
 
@@ -97,7 +98,7 @@ def _solved(own: Lagrangian, here: State, saddle: Saddle, forces: FloatArray, ri
         return solution + saddle.solve(pushes, nothing)[0] if pushes.any() else solution.copy()
 
     operator = LinearOperator((len(first), len(first)), matvec=applied, dtype=np.float64)
-    solution = nearly_solved(operator, lambda own: own, first, PRECISE, ROUNDS)
+    solution = nearly_solved(operator, lambda own: own, first, CONVERGED, KRYLOV)
     if solution is None:
         raise ProblemError(["what goals push with changes too abruptly for derivatives by K; leave out the area or the length"])
     return solution

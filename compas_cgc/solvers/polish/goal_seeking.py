@@ -18,6 +18,7 @@ from ...errors import Sentence
 from ...errors import joined
 from ...errors import use_method
 from ...linalg.work import until_spent
+from ...model.checks import GENTLE_TOTAL_CURVATURE
 from ...model.goals.binding import Equation
 from ...model.goals.binding import equations_for_constants
 from ...model.goals.binding import finds_constants
@@ -37,6 +38,11 @@ from ...model.laws import Law
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.result import Solution
+from ...model.tolerances import DRAWING_ACCURACY
+from ...model.tolerances import ROUNDING
+from ..constants import DECREASE
+from ..constants import MAX_STEPS
+from ..constants import SHORTEST
 from .derivatives import moves_by_constants
 from .polisher import polish
 from .posed import takes_goals
@@ -44,13 +50,10 @@ from .settings import PolishSettings
 
 __all__ = ["seek"]
 
-MOST, FIRST = 30, 8  # steps in the constants, and halvings of those drawn until a first surface is found
-MOST_CURVED, GENTLE = 2.0 * math.pi, 0.5  # total curvature of a guess [rad], that of a half sphere, and of a gentle surface
-NEAR = 1e-6  # of a goal, against the power of the size that it has, from which a move to first order leads to rounding
-LONGEST, SHORTEST = math.log(2.0), 1e-3  # change of the logarithm of a constant in a step
-DECREASE = 1e-2  # part of the expected decrease that a step must bring
+FIRST = 8  # steps in the constants, and halvings of those drawn until a first surface is found
+MOST_CURVED = 2.0 * math.pi  # total curvature of a guess [rad], that of a half sphere, and of a gentle surface
+LONGEST = math.log(2.0)  # change of the logarithm of a constant in a step
 STUCK = 0.9  # of the distance from the goals after twice the step, above which a step leads to another branch
-FLAT = 1e-12  # derivatives of the goals by the logarithms, relative to the size, up to which they do not depend on the constants
 
 
 class _Here(NamedTuple):
@@ -121,8 +124,8 @@ class _Seeker:
 
     def _approached(self, here: _Here) -> Iterator[Solution]:
         """Yield surfaces that come ever nearer to the goals."""
-        for _ in range(MOST):
-            if np.abs(here.missing).max() <= NEAR:
+        for _ in range(MAX_STEPS):
+            if np.abs(here.missing).max() <= DRAWING_ACCURACY:
                 here = self._landed(here)
                 yield self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", here.solution.message]))
                 return
@@ -135,7 +138,7 @@ class _Seeker:
                 return
             here = after
             yield self._given_up(here)
-        yield self._ended(here, "step_limit", f"the unknown constants were not found in {MOST} steps: {self._reached(here)}")
+        yield self._ended(here, "step_limit", f"the unknown constants were not found in {MAX_STEPS} steps: {self._reached(here)}")
 
     def _given_up(self, here: _Here) -> Solution:
         return self._ended(here, "stalled", f"the search for the unknown constants was given up: {self._reached(here)}")
@@ -155,7 +158,7 @@ class _Seeker:
         """Return a fair surface for the constants drawn, or for smaller ones if there is none; else the first that arrives."""
         total = float(np.abs(np.nan_to_num(self.problem.face_targets())) @ face_areas(self.problem.vertices, self.problem.faces))
         # A guess in other units may be wrong by powers of ten; it then says nothing but the sign.
-        factor = GENTLE / total if total > MOST_CURVED else 1.0
+        factor = GENTLE_TOTAL_CURVATURE / total if total > MOST_CURVED else 1.0
         tried: list[_Here] = []
         for halvings in range(FIRST):
             logs = np.maximum(np.full(len(self.unknown), math.log(factor) - halvings * LONGEST), self.bounds[0])
@@ -172,7 +175,7 @@ class _Seeker:
         by_log = [np.sum([by_region[region] for region in own.regions], axis=0) for own in self.unknown]
         J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
         change = np.zeros(len(by_log))
-        if np.abs(J).max() > FLAT:
+        if np.abs(J).max() > ROUNDING:
             inside, (least, largest) = np.ones(len(change), bool), self.bounds - here.logs
             while inside.any():
                 # Constants that would pass a bound stop there, and the others make up for it.

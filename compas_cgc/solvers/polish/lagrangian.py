@@ -34,10 +34,7 @@ from .turns import no_turns
 
 __all__ = ["Lagrangian", "Model", "State"]
 
-# Weight of what shape operators differ from linear functions about a vertex. It is of fourth order in the length of edges, so that it
-# vanishes under refinement, and it removes oscillations that bending hardly sees. Heights err least for 1 among 0, .1, 1 and 10.
 MOMENT_DIGITS = 6  # of moments at unit size that are compared, so that rounding does not order mirror twins
-EVENNESS = 1.0
 DETERMINANT = np.outer(TRACE, TRACE) - np.diag(OCCURRENCES)  # second derivative of the second invariant of a packed matrix
 
 
@@ -127,6 +124,8 @@ class Lagrangian:
         self.scales = law.scales(float(areas.sum()))  # that the residuals of the laws are compared with (r,)
         self.kept: FloatArray = np.zeros(mesh.unknowns)  # second derivatives of the energy that keeps the drawing (u,)
         self.pattern = _Pattern(self) if pattern is None else pattern.copied()
+        # It is of fourth order in the length of edges, so that it vanishes under refinement, and it removes oscillations that bending
+        # hardly sees. Heights err least for the weight 1 among 0, .1, 1 and 10.
         self.uneven = self.pattern.unevenness(self, areas)
 
     @property
@@ -256,7 +255,7 @@ class Lagrangian:
         T, A, H, K = self.curvatures(operators)
         folds = self.folds(unknowns)
         S = operators.tensors / operators.areas[:, None]
-        uneven = EVENNESS * float(np.einsum("me,e,me->", S, OCCURRENCES, self.uneven @ S))
+        uneven = float(np.einsum("me,e,me->", S, OCCURRENCES, self.uneven @ S))
         energy = float(operators.bending.sum() + 0.5 * (self._fold_weights @ folds**2 + self.kept @ unknowns**2)) + uneven
         return State(unknowns, operators, energy, A * self.law.residual(H, K), self.conditions.at(vertices))
 
@@ -300,7 +299,7 @@ class Lagrangian:
     def _stresses(self, own: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the derivatives of bending and of unevenness by the tensors of faces (m, 6), and minus those of unevenness by areas."""
         S = own.tensors / own.areas[:, None]
-        uneven = 2.0 * EVENNESS * OCCURRENCES * (self.uneven @ S) / own.areas[:, None]
+        uneven = 2.0 * OCCURRENCES * (self.uneven @ S) / own.areas[:, None]
         return 2.0 * OCCURRENCES * S, uneven, np.einsum("me,me->m", uneven, S)
 
     def model(self, state: State, multipliers: FloatArray) -> Model:
@@ -446,7 +445,7 @@ class _Pattern:
         whole, fold_columns, fold_weights = lagrangian.fold_terms(state.unknowns)
         whole = whole + np.bincount(mesh.columns.ravel(), parts.gradient.ravel(), mesh.unknowns)
         convex, curved, below = np.zeros((3, entries))
-        shape_slopes = parts.shape_slopes * np.sqrt(2.0 * EVENNESS * OCCURRENCES)[:, None]
+        shape_slopes = parts.shape_slopes * np.sqrt(2.0 * OCCURRENCES)[:, None]
         for group, within, rows in zip(self.groups, self.within, self.rows):
             k, w = group.faces.shape[1], group.width
             add_cells(

@@ -12,6 +12,14 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Mask
 from ...linalg import SingularMatrixError
+from ...model.tolerances import NEGLIGIBLE
+from ...model.tolerances import ROUNDING
+from ..constants import DECREASE
+from ..constants import LOCAL_ROUNDING
+from ..constants import LONGEST
+from ..constants import MULTIPLIER_MARGIN
+from ..constants import SHORTEST
+from ..constants import WEIGHT_DECAY
 from .lagrangian import Lagrangian
 from .lagrangian import Model
 from .lagrangian import State
@@ -20,20 +28,13 @@ from .saddle import Saddle
 
 __all__ = ["Step", "regularisation", "steps"]
 
-LONGEST = 0.25  # move of a vertex in a step, against the size of the mesh
 REGULARISATION = 1e-8  # of multipliers that equations hardly determine, against the area of their cells times the scale of the law
-ABOVE, FORGET = 1.5, 0.7  # weight of the residuals in the merit, against the largest multiplier; what remains of an earlier one
-DECREASE = 1e-2  # part of the predicted decrease of the merit that a step must bring
-SHORTEST = 1e-3  # part of a step below which it is given up
 CORRECTIONS = 3  # of second order, of every length that is tried
-ROUNDING = 1e-12  # change of the merit, against the energy, that is rounding
 EXACT, HALVINGS = 1.0, 4  # share of the second derivatives that are not convex, and how often it is halved before they are left out
 SHIFT, GROW, MOST = 1e-4, 10.0, 1e4  # first shift of the second derivatives, its factor, and its limit
 CLOSE, NEARER = 1e-2, 0.1  # step, against the size, near the end of the way; and part of a step that is left where factors still fit
 MET = 1e-4  # weight of the residuals in the merit, against the energy, up to which the equations are met and less energy is looked for
-PULL, CROSSED = 1e-9, 1e-13  # force of a side, against the largest, and distance behind it in the local frame, that is none
 SETTLED = 1e-8  # move of a vertex, against the size of the mesh, that is none
-STILL = 1e-12  # the same, that rounding makes
 
 
 class Step(NamedTuple):
@@ -94,7 +95,7 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
             return
         pushes = np.split(after, [len(lagrangian.rows)])
         largest = [float(np.abs(one).max(initial=0.0)) for one in (pushes[0], np.append(pushes[1], forces))]
-        weights = np.maximum(FORGET * weights, ABOVE * np.array(largest))
+        weights = np.maximum(WEIGHT_DECAY * weights, MULTIPLIER_MARGIN * np.array(largest))
         slope = float(np.einsum("i,i", model.gradient, step)) - float(weights @ here.missed)
         searched = _search(lagrangian, saddle, here, active, step, slope, weights, size)
         farthest = float(np.abs(step[: lagrangian.moves]).max(initial=0.0))
@@ -114,7 +115,7 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
                 less = _with_less_energy(lagrangian, saddle, before, model, active, (share, shift), weights, points, size)
             if less is None:
                 here, multipliers, forces, farthest = _closed_in(
-                    lagrangian, saddle, here, active, multipliers, forces, farthest, STILL * size
+                    lagrangian, saddle, here, active, multipliers, forces, farthest, ROUNDING * size
                 )
             else:
                 (here, length, trials), share, shift = less, EXACT, 0.0
@@ -138,8 +139,8 @@ def _held(lagrangian: Lagrangian, saddle: Saddle, here: State, right: FloatArray
         solution, pushed = saddle.solve(right, lagrangian.products(met.values, active))
         forces = lagrangian.forces_of(pushed, active)
         left = met.values + met.slopes @ lagrangian.moves_of(solution)
-        pulling = met.one_sided & active & (forces > PULL * float(np.abs(forces).max(initial=0.0)))
-        crossed = lagrangian.conditions.worst(np.where(met.one_sided & ~active & ~released, np.minimum(left + CROSSED, 0.0), 0.0))
+        pulling = met.one_sided & active & (forces > NEGLIGIBLE * float(np.abs(forces).max(initial=0.0)))
+        crossed = lagrangian.conditions.worst(np.where(met.one_sided & ~active & ~released, np.minimum(left + LOCAL_ROUNDING, 0.0), 0.0))
         if not pulling.any() and not crossed.any():
             return solution, forces, active
         released, active = released | pulling, active & ~pulling | crossed
@@ -156,7 +157,7 @@ def _closed_in(
     ----------
     Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1.2, doi:10.1007/978-3-642-23899-4.
     """
-    while farthest >= enough and (active | (here.met.missed > -CROSSED)).all():
+    while farthest >= enough and (active | (here.met.missed > -LOCAL_ROUNDING)).all():
         left = np.concatenate([lagrangian.gradient(here, multipliers, forces), here.equations])
         solution, pushed = saddle.roughly(-left, lagrangian.products(here.met.values, active))  # what is missed is part of the next step
         move = float(np.abs(solution[: lagrangian.moves]).max(initial=0.0))

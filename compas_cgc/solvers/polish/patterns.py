@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...discrete.arrays import TINY
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Mask
+from ...model.tolerances import DRAWING_ACCURACY
+from ...model.tolerances import NEGLIGIBLE
+from ..constants import TWIN_ENERGIES
 
 __all__ = ["Patterns"]
 
 DIRECTIONS = 64  # of saddles that are compared
-ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
 MODES = 4  # patterns of least energy for curvature of any size, from which others are found
 SWEEPS = 30  # most rounds over the regions
 MOST = 4  # patterns that are tried where regions bend in ways of their own
 DEAREST = 1.5  # energy of a pattern that is tried, against the least
-TINY = float(np.finfo(float).tiny)
-SAME = 1e-3  # relative difference of the energies of mirror twins, on irregular triangles
-ALIKE = 1e-9  # relative decrease of an energy that is rounding
 
 
 class Patterns:
@@ -54,7 +54,7 @@ class Patterns:
     def ranks(self, found: list[FloatArray]) -> list[int]:
         """Return, for each of some patterns, the number of the first with the same energy."""
         energies = [self.energy(x) for x in found]
-        return [next(j for j, other in enumerate(energies) if abs(other - own) <= SAME * abs(own)) for own in energies]
+        return [next(j for j, other in enumerate(energies) if abs(other - own) <= TWIN_ENERGIES * abs(own)) for own in energies]
 
     def found(self) -> list[FloatArray]:
         """Return patterns (r, 3), the likeliest first.
@@ -81,7 +81,7 @@ class Patterns:
         domes = self._one_side()
         tried = [domes + self.saddles[:, None] * one for one in self._circle]
         energies = np.array([self.energy(x) for x in tried])
-        if np.ptp(energies) <= ROUND * energies.mean():
+        if np.ptp(energies) <= DRAWING_ACCURACY * energies.mean():
             return [tried[0], tried[DIRECTIONS // 4]]
         lowest = np.flatnonzero((energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1)))
         return [tried[k] for k in lowest[np.argsort(energies[lowest], kind="stable")]]
@@ -118,7 +118,7 @@ class Patterns:
                 energies = np.einsum("oa,ab,ob->o", options, own, options) + 2.0 * options @ pull
                 before = float(x[r] @ own @ x[r] + 2.0 * x[r] @ pull)
                 best = int(np.argmin(energies))
-                if energies[best] < before - ALIKE * abs(before):
+                if energies[best] < before - NEGLIGIBLE * abs(before):
                     x[r], changed = options[best], True
             if not changed:
                 break

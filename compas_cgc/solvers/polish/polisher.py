@@ -16,6 +16,7 @@ import numpy as np
 
 from ...discrete import energy
 from ...discrete import face_areas
+from ...discrete.arrays import EPS
 from ...discrete.arrays import FloatArray
 from ...errors import HALVED
 from ...errors import ProblemError
@@ -40,10 +41,14 @@ from ...model.recorder import Recorder
 from ...model.result import Branch
 from ...model.result import Solution
 from ...model.roles import DUMMY
+from ...model.tolerances import DRAWING_ACCURACY
+from ...model.tolerances import NEGLIGIBLE
 from ...model.verdict import Verdict
 from ...model.verdict import verdict
 from ..coarse import Coarse
 from ..coarse import laid_out_anew
+from ..constants import EVEN_VERTICES
+from ..constants import TWIN_ENERGIES
 from .lagrangian import Lagrangian
 from .lagrangian import State
 from .least_area import least_area
@@ -61,17 +66,13 @@ from .starts import starts
 
 __all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 
-MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
+MANY = 1000  # vertices from which branches are found on even triangles first, and their vertices
 EVEN = (0.0, 0.55, 0.4)  # lengths over which curvature varies evenly that are tried where least bending may have branch points
 EVENLY = "its curvature varies evenly over {:g} of the size, without the branch points that least bending has"
-SAME = 1e-6  # distance relative to the size, up to which two surfaces are the same
-MIRRORED = 1e-9  # relative difference of mirror images that is rounding
-ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
 FIRST, GROWTH, SHORTEST = 0.25, 1.5, 0.03  # part of the way by which supports are lowered, its factor, and its limit
 WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
-EPS = float(np.finfo(float).eps)
 
 
 TURNED_OVER = (
@@ -154,7 +155,7 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     if settings.evenness is not None:
         tried = (settings.evenness,)
     small = begun or len(problem.vertices) <= MANY or (problem.roles == DUMMY).any()
-    coarse = None if small else laid_out_anew(problem, COARSE)
+    coarse = None if small else laid_out_anew(problem, EVEN_VERTICES)
     if coarse is not None:
         kept = keeps_shape(problem) if settings.keep == "auto" else settings.keep == "shape"
         settings = replace(settings, keep="shape" if kept else "plan")
@@ -215,7 +216,7 @@ def _least_energy(
     missed = math.inf  # by the saddle with which the search may end; another one that misses the supports by as much is its equal
     for start in begun:
         own = start.state if isinstance(start, Lifted) else start
-        if isinstance(start, Lifted) and start.missed > (1.0 + SAME) * missed:
+        if isinstance(start, Lifted) and start.missed > (1.0 + DRAWING_ACCURACY) * missed:
             break
         twin = next((end for first, end in zip(starting, ends) if _mirrors(lagrangian, first, own)), None)
         if twin is not None:
@@ -390,22 +391,22 @@ def _distinct(ends: list[_End], lagrangian: Lagrangian, size: float) -> list[_En
     found: list[_End] = []
     for end in sorted(ends, key=lambda end: round(end.state.energy, ENERGY_DIGITS)):
         V = lagrangian.vertices(end.state.unknowns)
-        if all(float(np.abs(V - lagrangian.vertices(other.state.unknowns)).max()) > SAME * size for other in found):
+        if all(float(np.abs(V - lagrangian.vertices(other.state.unknowns)).max()) > DRAWING_ACCURACY * size for other in found):
             found.append(end)
     return found
 
 
 def _mirrors(lagrangian: Lagrangian, first: State, second: State) -> bool:
     """Return whether two starts are mirror images at the drawing that lead to mirror images, as those of flat drawings do."""
-    if lagrangian.conditions.count or np.abs(first.unknowns + second.unknowns).max() > MIRRORED * np.abs(first.unknowns).max():
+    if lagrangian.conditions.count or np.abs(first.unknowns + second.unknowns).max() > NEGLIGIBLE * np.abs(first.unknowns).max():
         return False
     image = lagrangian.at(-first.unknowns)
-    same = np.abs(image.residuals - first.residuals).max(initial=0.0) <= MIRRORED * np.abs(first.residuals).max(initial=0.0)
-    return bool(same) and abs(image.energy - first.energy) <= MIRRORED * first.energy
+    same = np.abs(image.residuals - first.residuals).max(initial=0.0) <= NEGLIGIBLE * np.abs(first.residuals).max(initial=0.0)
+    return bool(same) and abs(image.energy - first.energy) <= NEGLIGIBLE * first.energy
 
 
 def _alike(end: _End, other: _End) -> bool:
-    return abs(end.state.energy - other.state.energy) <= ALIKE * other.state.energy
+    return abs(end.state.energy - other.state.energy) <= TWIN_ENERGIES * other.state.energy
 
 
 def _error(lagrangian: Lagrangian, state: State) -> float:

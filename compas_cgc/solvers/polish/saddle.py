@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from ...discrete.arrays import TINY
 from ...discrete.arrays import FloatArray
 from ...linalg.multifrontal import Multifrontal
 from ...linalg.refinement import refined
 from ...linalg.work import rights
 from ...linalg.work import spend
+from ...model.tolerances import ROUNDING
 
 __all__ = ["Saddle"]
 
 FACTORS = 10.0  # right sides that factors take as long as
-DEPENDENT = 1e-12  # eigenvalue of conditions, against the largest, below which one of them follows from others
-PRECISE, REFINEMENTS = 1e-12, 3  # relative residual of solutions, and rounds of refinement towards it
+REFINEMENTS = 3  # relative residual of solutions, and rounds of refinement towards it
 
 
 class Saddle:
@@ -49,12 +50,12 @@ class Saddle:
 
         Columns may depend on each other.
         """
-        self._scales = 1.0 / np.maximum(np.linalg.norm(border, axis=0), np.finfo(float).tiny)
+        self._scales = 1.0 / np.maximum(np.linalg.norm(border, axis=0), TINY)
         self._border = border * self._scales
         self._responses = self._refined(self._border) if border.shape[1] else border
         met = self._border.T @ self._responses
         values, vectors = np.linalg.eigh(0.5 * (met + met.T))
-        used = np.abs(values) > DEPENDENT * np.abs(values).max(initial=0.0)
+        used = np.abs(values) > ROUNDING * np.abs(values).max(initial=0.0)
         self._values, self._vectors = values[used], vectors[:, used]
 
     @property
@@ -71,7 +72,7 @@ class Saddle:
         return self._bordered(self._refined(right), products)
 
     def _refined(self, right: FloatArray) -> FloatArray:
-        return refined(self._matrix, self._factors.solve, right, PRECISE, REFINEMENTS)[0]
+        return refined(self._matrix, self._factors.solve, right, ROUNDING, REFINEMENTS)[0]
 
     def _bordered(self, solution: FloatArray, products: FloatArray) -> tuple[FloatArray, FloatArray]:
         if not len(products):

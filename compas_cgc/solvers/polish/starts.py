@@ -9,12 +9,16 @@ import numpy as np
 from scipy import sparse
 
 from ...discrete import edge_faces
+from ...discrete.arrays import TINY
 from ...discrete.arrays import FloatArray
 from ...discrete.measured_curvature import even_angles
 from ...discrete.mid_edge import OCCURRENCES
 from ...discrete.mid_edge import TRACE
 from ...linalg import factorise
 from ...model.laws import Shape
+from ...model.tolerances import DRAWING_ACCURACY
+from ..constants import SHAPE_KEPT
+from ..constants import SIDE_SHARE
 from .lagrangian import Lagrangian
 from .lagrangian import State
 from .patterns import DIRECTIONS
@@ -25,10 +29,7 @@ __all__ = ["Lifted", "from_surface", "is_kept", "over_its_plate", "plate", "sadd
 SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
 MOST_PLACES = 0.02  # median of the squared curvature of a drawing, against its mean, below which it bends beside its supports alone
 PULLED = 2.0  # slope of a drawing beside its supports, against that elsewhere, above which supports were pulled out of it
-SAID = 0.05  # bending of a drawing, or its volume over the plate, against that of a dome, that says the side
 FLAT_FACE = 1e-8  # squared curvature times the area of the mesh, below which a drawing is flat
-DRAWN = 3.0  # bending of a drawing that is kept, against that of the plate over its supports
-ALIKE = 1e-6  # relative difference of the extents of a drawing in its plane, below which they are equal
 FLAT = 3e-5  # curvature against the largest, below which it is zero
 
 
@@ -183,7 +184,7 @@ def over_its_plate(lagrangian: Lagrangian) -> Lagrangian:
     curvature = _face_shapes(lagrangian).round
     trace = [own.operators.tensors @ TRACE / own.operators.areas for own in (drawn, here)]
     areas = here.operators.areas
-    against = curvature.any() and float(areas[trace[0] - trace[1] < -SAID * 2.0 * curvature].sum()) > 0.5 * float(areas.sum())
+    against = curvature.any() and float(areas[trace[0] - trace[1] < -SIDE_SHARE * 2.0 * curvature].sum()) > 0.5 * float(areas.sum())
     edges = edge_faces(mesh.faces)[:, :2]
     fixed = np.ones(len(V), bool)
     fixed[lagrangian.free[: lagrangian.moves]] = False
@@ -192,7 +193,7 @@ def over_its_plate(lagrangian: Lagrangian) -> Lagrangian:
     beside = fixed[edges].any(axis=1)
     pulled = slope[beside].max(initial=0.0) > PULLED * slope[~beside].max(initial=0.0)
     under = lagrangian.volume(here.unknowns, areas)
-    against = against or (not pulled and under > SAID * float(curvature @ areas) * float(areas.sum()) / 4.0)
+    against = against or (not pulled and under > SIDE_SHARE * float(curvature @ areas) * float(areas.sum()) / 4.0)
     return lagrangian.over(lagrangian.vertices(here.unknowns), -1.0 if against else 1.0)
 
 
@@ -210,7 +211,7 @@ def is_kept(lagrangian: Lagrangian) -> bool:
     if (lagrangian.types > 0.0).all():
         return False
     typical, mean = _density(from_surface(lagrangian, lagrangian.drawing))
-    return typical > max(MOST_PLACES * mean, FLAT_FACE) and typical > DRAWN * _density(plate(lagrangian))[0]
+    return typical > max(MOST_PLACES * mean, FLAT_FACE) and typical > SHAPE_KEPT * _density(plate(lagrangian))[0]
 
 
 def _density(state: State) -> tuple[float, float]:
@@ -282,7 +283,7 @@ def _tensors(lagrangian: Lagrangian) -> tuple[FloatArray, FloatArray, FloatArray
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     first = _main_direction(lagrangian)
     t = first - (normals @ first)[:, None] * normals
-    t /= np.maximum(np.linalg.norm(t, axis=1), np.finfo(float).tiny)[:, None]
+    t /= np.maximum(np.linalg.norm(t, axis=1), TINY)[:, None]
     b = np.cross(normals, t)
     pack = [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]
     tt, bb, tb = (np.einsum("mx,my->mxy", p, q)[:, pack[0], pack[1]] for p, q in ((t, t), (b, b), (t, b)))
@@ -294,7 +295,7 @@ def _main_direction(lagrangian: Lagrangian) -> FloatArray:
     """Return the direction (3,) in which the drawing extends farthest; if it extends alike, that of a coordinate axis in its plane."""
     V = lagrangian.drawing[np.unique(lagrangian.mesh.faces)]
     _, lengths, axes = np.linalg.svd(V - V.mean(axis=0), full_matrices=False)
-    if lengths[1] < (1.0 - ALIKE) * lengths[0]:
+    if lengths[1] < (1.0 - DRAWING_ACCURACY) * lengths[0]:
         return np.asarray(axes[0])
     axis = np.eye(3)[np.argmin(np.round(np.abs(axes[2]), 6))]
     return np.asarray(axis - (axis @ axes[2]) * axes[2])

@@ -10,10 +10,9 @@ from ...discrete import vertex_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
+from ...model.tolerances import DRAWING_ACCURACY
 
 __all__ = ["Turns", "free_turns", "no_turns"]
-
-ON_A_LINE = 1e-6  # distance of supports from a line against their extent, up to which coordinates of drawings are rounded
 
 
 class Turns(NamedTuple):
@@ -59,7 +58,7 @@ def free_turns(drawing: FloatArray, faces: IntArray, up: FloatArray, free: Mask)
     linear = np.column_stack([np.ones(len(drawing)), drawing @ x, drawing @ np.cross(up, x)])
     # Zeros, as there may be fewer supports than functions.
     _, sizes, functions = np.linalg.svd(np.vstack([linear[~free], np.zeros((3, 3))]), full_matrices=False)
-    turns = linear @ functions[int((sizes > ON_A_LINE * sizes[0]).sum()) :].T
+    turns = linear @ functions[int((sizes > DRAWING_ACCURACY * sizes[0]).sum()) :].T
     areas = vertex_areas(drawing, faces, "barycentric")
     conditions = areas[:, None] * (turns - areas @ turns / areas.sum())
     return Turns(free[:, None] * turns, free[:, None] * conditions)

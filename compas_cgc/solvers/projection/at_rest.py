@@ -8,6 +8,9 @@ import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import SingularMatrixError
+from ..constants import CONVERGED
+from ..constants import ELSEWHERE
+from ..constants import LOCAL_ROUNDING
 from .closing import is_bound_by_k_alone
 from .gauss_newton import FULFILLED
 from .optimality import Optimality
@@ -18,8 +21,6 @@ from .system import System
 __all__ = ["brought_to_rest", "rests"]
 
 MOST = 500  # vertices that may move, up to which the matrix is factorised
-NEAR = 1e-2  # step, against the size of the mesh, that leads elsewhere
-STILL, QUIET = 1e-13, 1e-10  # the same, that is none, and that is as good as none where rounding allows no less
 FASTER = 0.3  # of a step, against the one before, while the matrix is good enough
 STEPS = 16  # with one matrix
 
@@ -47,7 +48,7 @@ def _to_rest(solved: Optimality, equations: CurvatureEquations, reached: Reached
     Nocedal and Wright, *Numerical Optimization*, section 18.1, doi:10.1007/978-0-387-40065-5.
     """
     system = solved.system
-    here, multipliers, longest = system.at(reached.point.vertices, equations), reached.multipliers, NEAR / FASTER
+    here, multipliers, longest = system.at(reached.point.vertices, equations), reached.multipliers, ELSEWHERE / FASTER
     for _ in range(STEPS):
         before = longest
         move, more = solved.correction(here, equations, multipliers)
@@ -56,6 +57,6 @@ def _to_rest(solved: Optimality, equations: CurvatureEquations, reached: Reached
             longest = before
             break
         here, multipliers = system.at(here.vertices + move, equations), multipliers + more
-        if longest <= STILL:
+        if longest <= LOCAL_ROUNDING:
             break
-    return Reached(here, multipliers) if longest <= QUIET and system.missing(here, equations) <= FULFILLED else None
+    return Reached(here, multipliers) if longest <= CONVERGED and system.missing(here, equations) <= FULFILLED else None

@@ -8,6 +8,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ..constants import TIGHT_RESIDUAL
 from .least_norm import Cheapest
 from .least_norm import LeastNorm
 from .least_norm import Preconditioner
@@ -15,7 +16,6 @@ from .least_norm import Rows
 
 __all__ = ["Bordered"]
 
-PRECISE = 1e-6  # residual of the moves for the dense equations
 STUCK = 1e-11  # square of what the sparse equations leave of a dense one, against all of it, that is nothing
 
 
@@ -64,7 +64,7 @@ class Bordered:
     @cached_property
     def _unseen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the moves (g, q) along the dense rows that J does not see, their multipliers (g, k), and the inverse of G U (g, g)."""
-        found = [self._sparse.without_effect(row, PRECISE) for row in self._dense]
+        found = [self._sparse.without_effect(row, TIGHT_RESIDUAL) for row in self._dense]
         moves, multipliers = np.array([move for move, _ in found]), np.array([own for _, own in found])
         gram = self._dense @ moves.T
         gram = 0.5 * (gram + gram.T)

@@ -10,6 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from ...discrete import vertex_normals
+from ...discrete.arrays import EPS
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import LinearSolver
@@ -94,7 +95,7 @@ class Closing(System):
         weight, solver = self._factors(squares, balance)
         scale = float(np.sqrt(balance * self.fairness.height.diagonal().mean()))
         heights, pull, missing = np.zeros(len(self._normals)), np.zeros(len(self._normals)), right
-        goal = max(tolerance * norm(right), float(np.finfo(float).eps) * np.sqrt(len(right)))
+        goal = max(tolerance * norm(right), EPS * np.sqrt(len(right)))
         first = scale * norm(right)
         kept: list[tuple] = []
         for _ in range(ROUNDS):

@@ -15,10 +15,15 @@ from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
 from ...discrete.space_form import exact_equations
 from ...model.problem import CGCProblem
+from ...model.tolerances import ROUNDING
 from ...model.verdict import verdict
 from ..coarse import Coarse
 from ..coarse import coarsened
 from ..coarse import laid_out_anew
+from ..constants import COARSE_VERTICES
+from ..constants import HUGE_MESH
+from ..constants import LARGE_MESH
+from ..constants import ROUNDINGS
 from .gauss_newton import Taken
 from .iterate import Point
 from .settings import ProjectionSettings
@@ -29,18 +34,11 @@ from .strategies import ways_from_near
 from .system import KeptDrawing
 from .system import System
 
-__all__ = ["MANY", "kept_on_coarse", "ways_from_coarse"]
+__all__ = ["kept_on_coarse", "ways_from_coarse"]
 
-MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
-COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones
 FEWEST = 450  # or of one half as fine, with even triangles: with fewer the shape of a plan is lost
 DETOUR = 100  # vertices that may move, from which an irregular mesh takes many steps that lead astray where K < 0
 PART = 50  # or one for so many of the finer, where that is more
-OFF = 1.0  # residual of a shape carried over, against the curvature asked for, of one that is none
-LARGE = 20_000  # vertices that may move, from which there is no other way
-ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
-LEVEL = 1e-24  # squared distances from a plane, against those along it, that are none
-MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 
 
 class _Found(NamedTuple):
@@ -65,9 +63,9 @@ def ways_from_coarse(
     settings
         Parameters.
     """
-    many, irregular = len(system.columns) >= MANY, _is_detour(system, equations, settings)
+    many, irregular = len(system.columns) >= LARGE_MESH, _is_detour(system, equations, settings)
     # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
-    if system.keep != "shape" and irregular and settings.measure not in EXACT and len(system.columns) < LARGE:
+    if system.keep != "shape" and irregular and settings.measure not in EXACT and len(system.columns) < HUGE_MESH:
         last: Optional[Taken] = None
         for last in _from_even(problem, system, equations, settings):
             yield last._replace(settled=False)
@@ -76,19 +74,19 @@ def ways_from_coarse(
             yield last
     elif system.keep != "shape" and (many or irregular):
         count = len(problem.vertices)
-        coarse = _coarsened(problem) if count >= MANY else laid_out_anew(problem, min(COARSE, max(FEWEST, count)))
+        coarse = _coarsened(problem) if count >= LARGE_MESH else laid_out_anew(problem, min(COARSE_VERTICES, max(FEWEST, count)))
         found = None if coarse is None else _carried(coarse, _on_coarser(settings, system))
         if found is not None:
             here = system.at(system.settled(found.vertices), equations)
             yield Taken(here.vertices, 1.0, 1, False)
-            if found.solved and system.missing(here, equations) <= OFF:
+            if found.solved and system.missing(here, equations) <= 1.0:  # at least as near as a flat mesh
                 for taken in ways_from_near(system, equations, here, settings):
                     yield taken
                     asked = taken.equations or exact_equations(equations, settings.measure)
                     here = system.at(taken.vertices, asked)
                     if here.fulfils(0.0, ROUNDINGS * system.rounding(here, asked)):
                         return
-        if len(system.columns) >= LARGE and found is not None:
+        if len(system.columns) >= HUGE_MESH and found is not None:
             # What does not end on a coarser mesh would take its time not to end on this one.
             return
     yield from ways(system, equations, start, settings, False)
@@ -106,7 +104,7 @@ def kept_on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optiona
     settings
         Parameters.
     """
-    if settings.keep == "shape" or len(problem.vertices) < LARGE or _is_flat(problem.vertices):
+    if settings.keep == "shape" or len(problem.vertices) < HUGE_MESH or _is_flat(problem.vertices):
         return None
     coarse = _coarsened(problem)
     if coarse is None:
@@ -116,14 +114,14 @@ def kept_on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optiona
 
 
 def _coarsened(problem: CGCProblem) -> Optional[Coarse]:
-    return coarsened(problem, max(COARSE, len(problem.vertices) // PART))
+    return coarsened(problem, max(COARSE_VERTICES, len(problem.vertices) // PART))
 
 
 def _is_flat(vertices: FloatArray) -> bool:
     """Return whether vertices (n, 3) lie in a plane, but for rounding."""
     away = vertices - vertices.mean(axis=0)
     least, _, largest = np.linalg.eigvalsh(away.T @ away)
-    return bool(least <= LEVEL * largest)
+    return bool(least <= ROUNDING**2 * largest)
 
 
 def _on_coarser(settings: ProjectionSettings, system: System) -> ProjectionSettings:
@@ -148,7 +146,7 @@ def _from_even(problem: CGCProblem, system: System, equations: CurvatureEquation
 
     Exact at once, it would have waves for what the meshes differ by.
     """
-    even = laid_out_anew(problem, min(COARSE, max(FEWEST, len(problem.vertices) // 2)))
+    even = laid_out_anew(problem, min(COARSE_VERTICES, max(FEWEST, len(problem.vertices) // 2)))
     found = None if even is None else _solved(even.problem, replace(_on_coarser(settings, system), retry=False))
     if even is None or found is None or not (found.solved and _is_fair(even.problem, found.vertices)):
         return
@@ -168,9 +166,9 @@ def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
     system = System(problem, settings)
     equations = system.equations(problem.targets)
     here = best = system.at(problem.vertices, equations)
-    goal = MET * problem.target_scale
+    goal = ROUNDING * problem.target_scale
     steps = ways(system, equations, here, settings, False)
-    if len(system.columns) >= MANY:
+    if len(system.columns) >= LARGE_MESH:
         # Even triangles are not always regular ones: a mesh that is not large has no coarser one.
         steps = ways_from_coarse(problem, system, equations, here, settings)
     for count, taken in enumerate(steps):

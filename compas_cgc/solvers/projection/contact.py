@@ -15,12 +15,12 @@ from ...discrete.topology import tops
 from ...model.constraints import ClosestPoints
 from ...model.goals.binding import Side
 from ...model.goals.inequalities import Bound
+from ...model.tolerances import ROUNDING
+from ..constants import LOCAL_ROUNDING
 
 __all__ = ["Contact", "Touching"]
 
 ON = 1e-11  # distance from a side, in the local frame, that is none
-CROSSED = 1e-13  # distance on the wrong side, in the local frame, that is more than rounding
-PRESSING = 1e-12  # force, against the largest, that is none
 STICKY = 4  # times that a vertex may let go of a side
 
 
@@ -92,7 +92,7 @@ class Contact(NamedTuple):
             slack, inwards = side.goal.slack(vertices[at])
             now = before.copy()
             if force is not None:
-                pressed = np.einsum("ij,ij->i", inwards, force[at]) > PRESSING * largest
+                pressed = np.einsum("ij,ij->i", inwards, force[at]) > ROUNDING * largest
                 now[at] &= pressed | (times[at] >= STICKY)
             now |= self._worst(at, -slack)
             members.append(own)
@@ -107,7 +107,7 @@ class Contact(NamedTuple):
         """
         far = np.zeros(len(self.movable))
         far[at] = np.where(self.movable[at], crossed, 0.0)
-        return (far > CROSSED) & tops(far, self.edges)
+        return (far > LOCAL_ROUNDING) & tops(far, self.edges)
 
     def same(self, other: Contact) -> bool:
         """Return whether the same vertices touch."""

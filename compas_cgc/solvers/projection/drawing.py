@@ -15,22 +15,23 @@ from ...linalg import factorise
 from ...linalg.nearby import nearly_solved
 from ...model.problem import CGCProblem
 from ...model.roles import CREASE
+from ...model.tolerances import NEGLIGIBLE
+from ...model.tolerances import ROUNDING
 from ..coarse import coarsened
+from ..constants import COARSE_VERTICES
+from ..constants import FACING
+from ..constants import HUGE_MESH
 from .metric import bending_matrix
 from .placement import movable_vertices
 
 __all__ = ["as_meant"]
 
 PULLED = 5.0  # bending of a sheet, against that with its supports where the rest of it has them, from which they were pulled out
-FLAT = 1e-12  # bending, likewise, that is none
 LEVEL = 1e-14  # difference of heights, against the extent of a drawing, that is none
 SOFT = 0.1  # bending stiffness across creases, as a part of that elsewhere
 HELD = 1e-9  # what holds a plate that nothing else holds, against its stiffness
 TURNS = 4  # renewals of a plate as it turns
 MANY = 5000  # vertices of a plate for which factors of the turn before are near enough
-LARGE, COARSE = 20_000, 2000  # vertices of a plate that is found on a coarser mesh, and of that
-PRECISE = 1e-9  # residual of its heights then
-FACING = 0.5  # part of the area that faces one way from which a mesh has a plan
 
 
 def as_meant(problem: CGCProblem) -> CGCProblem:
@@ -60,10 +61,10 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
     sheet = _Plate(_bending(problem, V, F), V, fixed).least(heights)
     bending = _bending(problem, V + (sheet - heights)[:, None] * up, F)
     own, drawn = (float(part @ (bending @ part)) for part in (sheet, heights))
-    none = FLAT * float(bending.diagonal().sum()) * float(np.ptp(heights)) ** 2
+    none = ROUNDING * float(bending.diagonal().sum()) * float(np.ptp(heights)) ** 2
     if drawn <= PULLED * own + none:
         return problem
-    if len(V) > LARGE:
+    if len(V) > HUGE_MESH:
         # A plate is smooth: it is found on a coarser mesh in a small part of the time.
         carried = _carried_on_coarse(problem, V + (sheet - heights)[:, None] * up)
         if carried is not None:
@@ -85,7 +86,7 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
 
 def _carried_on_coarse(problem: CGCProblem, sheet: FloatArray) -> Optional[FloatArray]:
     """Return the vertices (n, 3) of a sheet (n, 3) carried along by its supports as on a coarser mesh, None where there is none."""
-    coarse = coarsened(problem.with_vertices(sheet), COARSE)
+    coarse = coarsened(problem.with_vertices(sheet), COARSE_VERTICES)
     if coarse is None:
         return None
     drawn = coarse.problem.vertices.copy()
@@ -127,7 +128,7 @@ class _Plate:
     def least(self, heights: FloatArray, near: Optional[LinearSolver] = None) -> FloatArray:
         """Return the heights (n,), by factors of a matrix near to its own where there are some."""
         right, result = self._rows @ heights, heights.copy()
-        move = None if near is None else nearly_solved(self._own, near.solve, right, PRECISE)
+        move = None if near is None else nearly_solved(self._own, near.solve, right, NEGLIGIBLE)
         result[self._free] -= self.factors().solve(right) if move is None else move
         return result
 

@@ -18,6 +18,9 @@ from ...model.constraints import Proximity
 from ...model.constraints import indices
 from ...model.problem import CGCProblem
 from ...model.roles import CREASE
+from ..constants import FACING
+from ..constants import SHAPE_KEPT
+from ..constants import SMALLEST_FACE
 from .metric import Metric
 from .metric import bending_matrix
 from .placement import Freedoms
@@ -27,11 +30,8 @@ from .vectors import dot
 
 __all__ = ["Fairness"]
 
-LEAST_MASS = 1e-6  # of a vertex, against the mean
 SEED_MASS = 1e-4  # what holds a plate that nothing else holds
-DRAWN = 3.0  # bending of a drawing, against that of the fairest shape through its supports, from which it is meant
 FLAT = 1e-15  # squared height, in the local frame, that is rounding
-FACING = 0.5  # part of the area that faces one way from which a mesh has a plan
 
 
 class Fairness:
@@ -68,7 +68,7 @@ class Fairness:
     ):
         V = problem.vertices
         mass = vertex_areas(V, faces)
-        mass = np.maximum(mass, LEAST_MASS * mass.mean())
+        mass = np.maximum(mass, SMALLEST_FACE * mass.mean())
         bending = size**4 * bending_matrix(V, faces, problem.roles == CREASE, settings.crease_stiffness)
         weights = np.full(len(V), settings.nearness)
         for constraint in constraints:
@@ -123,7 +123,7 @@ class Fairness:
         """Return whether the drawing has no plan, or bends far more than the fairest shape through its supports: someone meant it."""
         if not self._has_plan:
             return True
-        return self.bends() and self._bent(self._drawing) > DRAWN * self._bent(self.fairest_through(self._drawing))
+        return self.bends() and self._bent(self._drawing) > SHAPE_KEPT * self._bent(self.fairest_through(self._drawing))
 
     def bends(self) -> bool:
         """Return whether the drawing is not flat."""

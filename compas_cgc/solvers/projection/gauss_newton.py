@@ -10,7 +10,9 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
-from .iterate import TINY
+from ..constants import LOOSE_RESIDUAL
+from ..constants import TIGHT_RESIDUAL
+from .iterate import SMALLEST_AREA
 from .iterate import Point
 from .system import System
 from .turning import Turning
@@ -23,7 +25,6 @@ SHORTEST = 2.0**-10  # part of a step below which the search gives up
 DECREASE = 0.1  # part of the expected decrease that a step must bring
 PATIENCE = 12  # steps within which the merit must fall
 SLOW = 0.9  # to this part of what it was
-LOOSEST, TIGHTEST = 1e-3, 1e-6  # residuals of the linear systems
 FULFILLED = 1e-8  # residual, against the curvature asked for, from which on steps converge quadratically
 FINISH = 4  # steps to rounding without much gain after which it is reached
 ALIKE, SLOWEST = 0.3, 0.97  # difference of two steps in turn, against the last, that go the same way, and their ratio that leads nowhere
@@ -63,7 +64,7 @@ def descend(
     """
     here, kept = start, None
     merits = [here.merit]
-    tolerance = LOOSEST
+    tolerance = LOOSE_RESIDUAL
     before: Optional[FloatArray] = None
     if here.fulfils(0.0, system.floor):
         yield Taken(here.vertices, 0.0, 1)
@@ -76,7 +77,7 @@ def descend(
         if found is None:
             return
         there, length, trials = found
-        tolerance = min(LOOSEST, max(TIGHTEST, (there.merit / here.merit) ** 2))
+        tolerance = min(LOOSE_RESIDUAL, max(TIGHT_RESIDUAL, (there.merit / here.merit) ** 2))
         here = there
         merits.append(here.merit)
         yield Taken(here.vertices, length, trials)
@@ -90,7 +91,7 @@ def _ratio(step: FloatArray, before: Optional[FloatArray]) -> float:
     """Return the ratio of a step to the one before where they go the same way, else zero."""
     if before is None:
         return 0.0
-    ratio = dot(step.ravel(), before.ravel()) / max(dot(before.ravel(), before.ravel()), TINY)
+    ratio = dot(step.ravel(), before.ravel()) / max(dot(before.ravel(), before.ravel()), SMALLEST_AREA)
     return ratio if ratio < SLOWEST and norm((step - ratio * before).ravel()) <= ALIKE * norm(step.ravel()) else 0.0
 
 

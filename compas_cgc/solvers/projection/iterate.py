@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...model.tolerances import ROUNDING
+from ..constants import CONVERGED
 from .vectors import norm
 
-__all__ = ["ON", "TINY", "Point"]
+__all__ = ["SMALLEST_AREA", "Point"]
 
-OFF = 1e-10  # of a goal, in the local frame, that is not met
-ON = 1e-12  # distance from a constraint, in the local frame, that is rounding
-TINY = 1e-100  # area that keeps the error of a vertex without any a number
+SMALLEST_AREA = 1e-100  # area that keeps the error of a vertex without any a number
 
 
 class Point(NamedTuple):
@@ -28,7 +28,7 @@ class Point(NamedTuple):
     @property
     def error(self) -> FloatArray:
         """|K - K̄| at the vertices with an equation (k,)."""
-        return np.abs(self.residual[: len(self.areas)]) / np.maximum(self.areas, TINY)
+        return np.abs(self.residual[: len(self.areas)]) / np.maximum(self.areas, SMALLEST_AREA)
 
     @property
     def lacking(self) -> FloatArray:
@@ -48,7 +48,7 @@ class Point(NamedTuple):
     @property
     def badness(self) -> tuple[bool, float]:
         """What to compare shapes by: constraints before curvature."""
-        return bool((self.gap > ON).any() or (np.abs(self.lacking) > OFF).any()), self.error_norm
+        return bool((self.gap > ROUNDING).any() or (np.abs(self.lacking) > CONVERGED).any()), self.error_norm
 
     def fulfils(self, goal: float, floor: FloatArray) -> bool:
         """Return whether everything is reached: |K - K̄| to the goal, or residuals to their floor (k + g,) [rad]."""

@@ -17,6 +17,9 @@ from ...discrete.smooth_measure import DEGREE
 from ...discrete.smooth_measure import RINGS
 from ...discrete.smooth_measure import is_irregular
 from ...discrete.smooth_measure import layout_errors
+from ..constants import CONVERGED
+from ..constants import WITHIN_REACH
+from ..constants import WORTHWHILE
 from .gauss_newton import FINISH
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
@@ -33,9 +36,6 @@ __all__ = ["renewed", "shows_layout", "smooth_equations", "smoothed"]
 
 ROUNDS = 2  # of the search for the fairest shape
 RENEWALS, STEPS = 3, 2  # most times that the layout's part is kept for some steps
-FAR = 0.5  # residual in the smooth measure, against the curvature asked for, from where that leads on
-PATIENT, HALF = 4, 0.5  # steps to the smooth measure, and to what part of the merit they lead
-MET = 1e-10  # residual from which the layout's part stands still
 
 
 def smooth_equations(system: System, equations: CurvatureEquations, vertices: FloatArray) -> CurvatureEquations:
@@ -81,14 +81,14 @@ def renewed(system: System, equations: CurvatureEquations, vertices: FloatArray)
     smooth = in_smooth_measure(system.across_corners(equations.targets), _asked(system, vertices))
     here = system.at(vertices, smooth)
     for again in range(RENEWALS):
-        if again or system.missing(here, smooth) > FAR:
+        if again or system.missing(here, smooth) > WITHIN_REACH:
             for taken in islice(_with_layout_of(system, smooth, here), STEPS):
                 here = system.at(taken.vertices, smooth)
                 yield taken._replace(settled=False)
-        for taken in descend(system, smooth, here, HALF, PATIENT, extrapolated=True):
+        for taken in descend(system, smooth, here, WORTHWHILE, FINISH, extrapolated=True):
             here = system.at(taken.vertices, smooth)
             yield taken._replace(settled=False, equations=smooth)
-            if system.missing(here, smooth) <= MET:
+            if system.missing(here, smooth) <= CONVERGED:
                 break
         if system.missing(here, smooth) <= FULFILLED:
             break

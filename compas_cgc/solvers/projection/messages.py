@@ -17,12 +17,11 @@ from ...model.checks import three_faced
 from ...model.constraints import Height
 from ...model.goals.names import goal_name
 from ...model.goals.names import listed
+from ...model.tolerances import DRAWING_ACCURACY
 from .iterate import Point
 from .system import System
 
 __all__ = ["blamed", "cause", "enclosed_negative", "found", "laid_out_anew", "message"]
-
-ASTRAY = 1e-6  # distance from a constraint, in the local frame, that is as good as none
 
 
 def message(status: str, steps: int, error: float, start_error: float, goal: float, why: str, measure: str = "defect") -> str:
@@ -56,7 +55,7 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
     if unmet:
         return unmet
     vertex = int(np.argmax(point.gap))
-    if point.gap[vertex] > ASTRAY:
+    if point.gap[vertex] > DRAWING_ACCURACY:
         return _astray(vertex, system)
     if enclosed_negative(system, targets):
         held = int(np.count_nonzero(~np.isin(np.unique(system.faces), system.columns)))
@@ -93,10 +92,10 @@ def _astray(vertex: int, system: System) -> str:
 
 def blamed(point: Point, system: System) -> str:
     """Return which goals are not met, empty where all are."""
-    unmet = [own.name for own, lack in zip(system.goals.equations, point.lacking) if abs(lack) > ASTRAY]
+    unmet = [own.name for own, lack in zip(system.goals.equations, point.lacking) if abs(lack) > DRAWING_ACCURACY]
     for side in system.goals.sides:
         at = side.candidates(point.vertices)
-        if len(at) and side.goal.slack(point.vertices[at])[0].min() < -ASTRAY:
+        if len(at) and side.goal.slack(point.vertices[at])[0].min() < -DRAWING_ACCURACY:
             unmet.append(side.name)
     if not unmet:
         return ""

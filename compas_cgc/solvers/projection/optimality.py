@@ -16,13 +16,13 @@ from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import SingularMatrixError
 from ...linalg.ordering import elimination_order
+from ..constants import CONVERGED
 from .iterate import Point
 from .system import System
 
 __all__ = ["Optimality", "optimality"]
 
 STEP = 1e-8  # of the difference quotients of first derivatives, in the local frame
-PRECISE = 1e-10  # residual of the multipliers
 PIVOT = 1e-3  # of a pivot, against the largest entry of its column, that is kept in its place
 
 
@@ -77,7 +77,7 @@ def optimality(system: System, point: Point, equations: CurvatureEquations, mult
     if multipliers is None:
         linear = system.linearised(point, equations)
         energy = system.fairness.energy(point.vertices)[1]
-        multipliers = linear.solver.without_effect(-linear.reduced(energy), PRECISE)[1]
+        multipliers = linear.solver.without_effect(-linear.reduced(energy), CONVERGED)[1]
     freedoms = system.places.freedoms(point.vertices)
     free = freedoms.basis
     weights = system.spread(multipliers)

@@ -21,13 +21,12 @@ from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
 from ...model.goals.places import Level
 from ...model.problem import CGCProblem
+from ...model.tolerances import DRAWING_ACCURACY
+from ...model.tolerances import NEGLIGIBLE
 from .contact import Touching
 from .symmetry import Image
 
 __all__ = ["Freedoms", "Places", "movable_vertices"]
-
-SAME = 1e-9  # squared sine of the angle below which two directions count as one
-ASTRAY = 1e-6  # how far a fixed vertex may be from where it must be, in units of the model
 
 
 class Freedoms(NamedTuple):
@@ -42,8 +41,8 @@ class Freedoms(NamedTuple):
         part = normals if self.basis is None else self.basis.T @ normals
         _, first, group = np.unique(self.owner, return_index=True, return_inverse=True)
         length = np.sqrt(np.bincount(group, part**2))
-        part = part / np.where(length > SAME, length, 1.0)[group]
-        part[first[length <= SAME]] = 1.0
+        part = part / np.where(length > NEGLIGIBLE, length, 1.0)[group]
+        part[first[length <= NEGLIGIBLE]] = 1.0
         return sparse.csr_matrix((part, (np.arange(len(part)), group)), shape=(len(part), len(first)))
 
 
@@ -138,7 +137,7 @@ class Places:
         """Return the free directions (3c, q) where some vertices are bound, and the vertices that they belong to (q,)."""
         n, columns = len(self.start), np.flatnonzero(self.movable)
         free, direction = np.ones((n, 3), bool), np.tile(np.eye(3), (n, 1, 1))
-        free[at], direction[at] = value <= SAME, vector
+        free[at], direction[at] = value <= NEGLIGIBLE, vector
         heads = self.head[columns]
         live = np.zeros(n, bool)
         live[heads] = True
@@ -199,7 +198,7 @@ class Places:
 
     def _refuse_astray(self) -> None:
         gap = np.where(self.movable, 0.0, self.gap(self.start))
-        if (gap > ASTRAY).any():
+        if (gap > DRAWING_ACCURACY).any():
             vertex = int(np.argmax(gap))
             kind = next((type(own).__name__ for at, own in self.constraints if vertex in at), "constraint")
             raise ProblemError(
@@ -209,7 +208,7 @@ class Places:
 
 def _shortest(value: FloatArray, vector: FloatArray, pull: FloatArray, at: IntArray, n: int) -> FloatArray:
     """Return the shortest moves (n, 3) that fulfil the conditions of some vertices, by their principal values and directions."""
-    held = value > SAME
+    held = value > NEGLIGIBLE
     along = np.einsum("nxk,nx->nk", vector, pull)
     shift = np.zeros((n, 3))
     shift[at] = np.einsum("nxk,nk->nx", vector, np.where(held, along / np.where(held, value, 1.0), 0.0))

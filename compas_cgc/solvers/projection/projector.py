@@ -33,7 +33,8 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from ...model.verdict import verdict
-from .coarse_to_fine import MANY
+from ..constants import LARGE_MESH
+from ..constants import ROUNDINGS
 from .coarse_to_fine import kept_on_coarse
 from .coarse_to_fine import ways_from_coarse
 from .drawing import as_meant
@@ -62,7 +63,6 @@ from .system import System
 
 __all__ = ["Projector", "project", "ready"]
 
-ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
 READY = 3  # drawings for which what does not change is kept, or ways to keep to one
 POLISHING = 4  # most steps to a surface that is symmetric to rounding; like other last digits they are not counted
 
@@ -202,7 +202,7 @@ class Projector:
         if status == "stalled" and best.fulfils(goal, ROUNDINGS * system.rounding(best, asked)):
             status = "converged"
             measure = "smooth" if settings.measure == AUTO and layout else measure
-        if status == "converged" and len(recorder) and measure == "defect" and not warm and len(system.columns) < MANY:
+        if status == "converged" and len(recorder) and measure == "defect" and not warm and len(system.columns) < LARGE_MESH:
             best = self._symmetric(best, local, goal)
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
         if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
@@ -388,7 +388,7 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     """
     if tears_faces(problem):
         solution = _of_mirrors(problem, settings, callback)
-    elif problem.goals or len(problem.vertices) > MANY:
+    elif problem.goals or len(problem.vertices) > LARGE_MESH:
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
         solution = ready(problem, settings).solve(problem.targets, callback=callback)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ..constants import LOOSE_RESIDUAL
 from .iterate import Point
 from .linearised import Linearised
 from .system import System
@@ -17,7 +18,7 @@ from .vectors import dot
 __all__ = ["InnerStep", "QuadraticModel"]
 
 INNER = 40  # rounds of conjugate gradients in a step
-FINE, ROUGH = 1e-2, 1e-3  # residuals of the linear systems, at first and in the rounds
+FINE = 1e-2  # residuals of the linear systems, at first and in the rounds
 FORCING = 1e-1  # part of the squared gradient that a step leaves
 NO_BEND = 1e-6  # curvature along a direction, against the metric's, that is none
 
@@ -95,7 +96,7 @@ class QuadraticModel:
             if length >= reach:
                 return InnerStep(step, multipliers, promised, radius, False, 1.0)
             before = residual
-            residual, z, multipliers = self._seen(residual - length * image, multipliers, ROUGH)
+            residual, z, multipliers = self._seen(residual - length * image, multipliers, LOOSE_RESIDUAL)
             # Polak and Ribière's form forgives that the preconditioner is not the same in every round.
             turn = max(0.0, dot(z, residual - before) / product)
             product = dot(z, residual)

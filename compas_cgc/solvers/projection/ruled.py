@@ -13,11 +13,10 @@ from ...discrete.laplacian import cotangent_laplacian
 from ...discrete.normals import unit_vectors
 from ...linalg import factorise
 from ...meshing import boundary_loops
+from ...model.tolerances import NEGLIGIBLE
 from .system import System
 
 __all__ = ["ruled"]
-
-STRAIGHT = 1e-9  # length, against that of a curve, by which it has to go on along its chord
 
 
 def ruled(system: System, vertices: FloatArray) -> Optional[FloatArray]:
@@ -86,7 +85,7 @@ def _along_chord(curve: FloatArray) -> Optional[FloatArray]:
     if length == 0.0:
         return None
     share = (curve - curve[0]) @ chord / length
-    return share if (np.diff(share) > STRAIGHT).all() else None
+    return share if (np.diff(share) > NEGLIGIBLE).all() else None
 
 
 def _harmonic(laplacian: sparse.csr_matrix, vertices: FloatArray, known: FloatArray, used: IntArray) -> FloatArray:

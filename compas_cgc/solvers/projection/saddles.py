@@ -18,6 +18,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Vertices
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import space_form_angle_sums
+from ..constants import WORTHWHILE
 from .gauss_newton import FINISH
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
@@ -29,11 +30,9 @@ from .system import System
 __all__ = ["descend_over_saddles"]
 
 ROUNDS = 40  # of folding stars and of steps after it, at most
-WINDOW, CREEPING = 4, 0.3  # so many steps that leave more than this part say that something is stuck
+CREEPING = 0.3  # so many steps that leave more than this part say that something is stuck
 PATIENCE, GAIN = 5, 0.7  # rounds that must bring the rest down to this part
-LAST = 0.5  # what a few of the last steps must make of the rest, where folding is of no help
 STUCK = 0.1  # part of the largest residual, from which a vertex is stuck
-OVER = 1.0  # of what a star lacks, by which it is folded further, so that smooth steps come back to it from where they can
 STEP = 1e-3  # of the mean edge, for second differences
 FIRST, FARTHEST = 1e-4, 0.3  # of the mean edge, that a star is folded by
 HALVINGS = 40
@@ -52,7 +51,7 @@ def descend_over_saddles(system: System, equations: CurvatureEquations, start: P
             here = system.at(taken.vertices, equations)
             yield taken
             merits.append(here.merit)
-            creeps = len(merits) > WINDOW and merits[-1] > CREEPING * merits[-1 - WINDOW]
+            creeps = len(merits) > FINISH and merits[-1] > CREEPING * merits[-1 - FINISH]
             if creeps and system.missing(here, equations) > FULFILLED:
                 break
         if system.missing(here, equations) <= FULFILLED:
@@ -65,7 +64,7 @@ def descend_over_saddles(system: System, equations: CurvatureEquations, start: P
             break
         here = system.at(folded, equations)
         yield Taken(folded, 1.0, 1, False)
-    yield from descend(system, equations, here, LAST, finish=FINISH)
+    yield from descend(system, equations, here, WORTHWHILE, finish=FINISH)
 
 
 def _folded(system: System, equations: CurvatureEquations, point: Point) -> Optional[Vertices]:
@@ -109,7 +108,7 @@ def _saddle(star: FloatArray, faces: Faces, K: float) -> Optional[FloatArray]:
         return float(space_form_angle_sums(lift(heights), faces, targets)[0]) - 2 * np.pi
 
     lacks = excess(np.zeros(len(star)))
-    goal = -OVER * lacks
+    goal = -lacks  # as much beyond the target, so that smooth steps come back to it from where they can
     steps = STEP * edge * np.eye(len(star))
     slope = np.array([excess(step) - excess(-step) for step in steps])
     bends = np.empty((len(star), len(star)))

@@ -10,6 +10,12 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ..constants import DECREASE
+from ..constants import LONGEST
+from ..constants import LOOSE_RESIDUAL
+from ..constants import MAX_STEPS
+from ..constants import MULTIPLIER_MARGIN
+from ..constants import WEIGHT_DECAY
 from .gauss_newton import Taken
 from .iterate import Point
 from .linearised import Linearised
@@ -17,16 +23,10 @@ from .system import System
 from .turning import Turning
 from .vectors import dot
 
-__all__ = ["MOST", "NEAR", "Reached", "approach", "corrected"]
+__all__ = ["NEAR", "Reached", "approach", "corrected"]
 
-MOST = 30  # steps
-LONGEST = 0.25  # of a step's longest move, against the size of the mesh
 SHORTEST = 2.0**-9  # part of a step below which the search gives up
-DECREASE = 1e-2  # part of the expected decrease of the merit that a step must bring
 SMALL, TIRED = 0.13, 3  # part of a step, and how many in a row of less than that are enough
-ABOVE = 1.5  # weight of the equations in the merit, against the largest multiplier
-FORGET = 0.7  # what stays of that weight when the multipliers become smaller
-PRECISE = 1e-3  # residual of the linear systems
 NEAR = 1e-2  # residual, against the curvature asked for, that is near enough
 CALM = 0.02  # squared step, against the energy, at which the second derivatives take over
 
@@ -46,7 +46,7 @@ class _Step(NamedTuple):
     square: float  # of the move's length in the metric
 
 
-def approach(system: System, equations: CurvatureEquations, start: Point, most: int = MOST) -> Generator[Taken, None, Reached]:
+def approach(system: System, equations: CurvatureEquations, start: Point, most: int = MAX_STEPS) -> Generator[Taken, None, Reached]:
     r"""Take steps towards the least energy, at most so many, for as long as its second derivative is all that is needed.
 
     Each step solves
@@ -76,7 +76,7 @@ def approach(system: System, equations: CurvatureEquations, start: Point, most: 
         if not np.isfinite(step.move).all():
             break
         multipliers = step.multipliers
-        weight = max(FORGET * weight, ABOVE * float(np.abs(multipliers).max(initial=0.0)))
+        weight = max(WEIGHT_DECAY * weight, MULTIPLIER_MARGIN * float(np.abs(multipliers).max(initial=0.0)))
         found = _search(system, equations, linear, here, step, weight)
         if found is None:
             break
@@ -95,7 +95,7 @@ def _step(system: System, linear: Linearised, gradient: FloatArray, multipliers:
     solver = linear.solver
     # Towards the present multipliers, so that the linear systems need to be no more precise than the step.
     downhill = solver.metric.solve(-(linear.reduced(gradient) + solver.transposed @ multipliers))
-    closing = solver.cheapest(linear.right - solver.J @ downhill, PRECISE)
+    closing = solver.cheapest(linear.right - solver.J @ downhill, LOOSE_RESIDUAL)
     free = downhill + closing.move
     move = linear.landing(free)
     return _Step(system.full(move), multipliers - closing.multipliers, dot(gradient, move), dot(free, solver.metric.times(free)))
@@ -131,5 +131,5 @@ def _search(
 def corrected(system: System, equations: CurvatureEquations, linear: Linearised, point: Point, wanted: FloatArray) -> Point:
     """Return a shape near to another with the residuals wanted (k,), by the derivatives of a third."""
     right = (wanted - point.residual)[system.leading]
-    move = linear.expanded(linear.solver.cheapest(right, PRECISE).move)
+    move = linear.expanded(linear.solver.cheapest(right, LOOSE_RESIDUAL).move)
     return system.at(system.settled(point.vertices + system.full(move)), equations)

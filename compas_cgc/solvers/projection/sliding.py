@@ -12,11 +12,13 @@ import numpy as np
 
 from ...discrete import _kernels
 from ...discrete import vertex_areas
+from ...discrete.arrays import TINY
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import sliding_ease
 from ...linalg import SingularMatrixError
 from ...linalg import factorise
+from ..constants import WORTHWHILE
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
 from .gauss_newton import line_search
@@ -25,8 +27,7 @@ from .system import System
 
 __all__ = ["can_slide", "slide", "turns_triangles_over"]
 
-FARTHEST = 1.0  # of a mean edge, that a vertex is moved by in a step
-PATIENCE, GAIN = 8, 0.5  # steps that must bring the rest down to this part
+PATIENCE = 8  # steps that must bring the rest down to this part
 LAST = 3  # steps to rounding
 
 
@@ -54,7 +55,7 @@ def slide(system: System, equations: CurvatureEquations, start: Point) -> Iterat
         yield Taken(here.vertices, length, trials)
         rests.append(here.merit)
         last += system.missing(here, equations) <= FULFILLED
-        if not last and len(rests) > PATIENCE and rests[-1] > GAIN * rests[-1 - PATIENCE]:
+        if not last and len(rests) > PATIENCE and rests[-1] > WORTHWHILE * rests[-1 - PATIENCE]:
             return
 
 
@@ -70,4 +71,4 @@ def _step(system: System, equations: CurvatureEquations, point: Point) -> FloatA
         return np.full_like(point.vertices, np.nan)
     step = system.full(cheap @ (J.T @ multipliers))
     edge = float(np.sqrt(vertex_areas(point.vertices, system.faces).mean()))
-    return step * min(1.0, FARTHEST * edge / max(float(np.linalg.norm(step, axis=1).max()), np.finfo(float).tiny))
+    return step * min(1.0, edge / max(float(np.linalg.norm(step, axis=1).max()), TINY))

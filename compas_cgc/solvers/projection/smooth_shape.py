@@ -20,6 +20,7 @@ from ...linalg import factorise
 from ...linalg.work import count
 from ...linalg.work import rights
 from .gauss_newton import Taken
+from .smooth_equations import SLOPES
 from .system import System
 from .vectors import dot
 
@@ -29,7 +30,7 @@ WEIGHTS = (0.1, 1.0, 10.0, 100.0, 1000.0)  # of K that is missing against waves 
 ROUNDS = 2  # for each
 FARTHEST = 0.1  # of a move, against the size of the mesh
 HALVINGS = 5
-FITS, SOLVE = 45, 20  # right sides that the fits of a shape take as long as, and the solve for a move
+SOLVE = 20  # right sides that the fits of a shape take as long as, and the solve for a move
 STILL = 3e-4  # move, against that, that is none
 COARSE = 300  # vertices of a mesh whose edges are longer than waves are high
 TIMES, MOST_TIMES = 0.015, 100  # that normals are smoothed, for each vertex more: over about a tenth of the size of the mesh
@@ -92,7 +93,7 @@ class _State:
         asked = np.zeros(len(vertices), bool)
         asked[system.rows] = True
         mass, targets = vertex_areas(drawn, system.faces), equations.targets[system.rows]
-        count(rights(FITS, 3 * len(vertices)))
+        count(rights(SLOPES, 3 * len(vertices)))
         self._fits = fit_operators(vertices, system.faces, system.rows, asked, mass[system.rows])
         told = np.isfinite(self._fits.gaussian)
         self._lacking = np.where(told, self._fits.gaussian - targets, 0.0)

@@ -19,13 +19,13 @@ from ..polish.polisher import plates
 from .flatness import flat_share
 from .iterate import Point
 from .ruled import ruled
+from .sequential import NEAR
 from .system import System
 
 __all__ = ["is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
 STEPS = 50  # most steps of Newton's method
-SPANNED = 0.01  # residual of a surface of straight lines that nearly has K = 0
 FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a drawing is no start
 
 
@@ -55,7 +55,7 @@ def _spanned(system: System, equations: CurvatureEquations, drawing: Point) -> O
     if shape is None:
         return None
     point = system.at(system.settled(shape), equations)
-    return point if system.missing(point, equations) < min(SPANNED, missing) else None
+    return point if system.missing(point, equations) < min(NEAR, missing) else None
 
 
 def _bent(system: System, equations: CurvatureEquations, drawing: FloatArray) -> list[FloatArray]:

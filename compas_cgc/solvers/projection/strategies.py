@@ -13,7 +13,11 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
+from ...model.tolerances import DRAWING_ACCURACY
+from ...model.tolerances import NEGLIGIBLE
 from ...model.verdict import verdict
+from ..constants import LARGE_MESH
+from ..constants import WORTHWHILE
 from .at_rest import brought_to_rest
 from .at_rest import rests
 from .closing import closed_across
@@ -44,13 +48,10 @@ from .trust_region import refine
 
 __all__ = ["smoothed_first", "ways", "ways_from_near"]
 
-IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
-ENOUGH, MANY = 30, 6000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
-TWINS = 1e-6  # relative difference of the residuals of mirror twins
+ENOUGH = 30  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
 ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
-EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is a result already
 MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
 PATIENT, HELD = 4, 8  # steps for each weight of K on the way to a smooth shape, and where K < 0 is held all round
 
@@ -77,7 +78,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         return
     if smooth_first and _loses_itself(system, equations, first):
         yield from smoothed_first(system, equations, first.vertices, settings)
-    if not warm and system.missing(first, equations) <= EXACTLY:
+    if not warm and system.missing(first, equations) <= NEGLIGIBLE:
         # Kept in reserve: where K is asked for twice over the fairest may be out of reach.
         yield Taken(first.vertices, 0.0, 1, settled=False)
     found = None
@@ -156,7 +157,7 @@ def _held_all_round(
             yield Taken(vertices, 0.0, last.trials, settled=False)
         if last is not None and last.equations and verdict(near.problem_at(last.vertices, equations.targets)).fair:
             yield last
-    for taken in descend(near, equations, first, IMPATIENT):
+    for taken in descend(near, equations, first, WORTHWHILE):
         vertices = taken.vertices
         yield taken
     if settings.measure in EXACT:
@@ -192,7 +193,7 @@ def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -
 
 def _is_told_by_fits(system: System, equations: CurvatureEquations) -> bool:
     """Return whether nothing but K is asked for, of as many vertices as polynomials tell a smooth shape of in seconds."""
-    return system.asks_for_k_alone and ENOUGH <= len(system.rows) <= MANY
+    return system.asks_for_k_alone and ENOUGH <= len(system.rows) <= LARGE_MESH
 
 
 def _says_which_developable(system: System, equations: CurvatureEquations, drawn: Point) -> bool:
@@ -211,7 +212,7 @@ def _fairest(system: System, equations: CurvatureEquations, tried: Iterator[Poin
     for point in tried:
         missing = system.missing(point, equations)
         # A mirror twin ends where the other does, and a flat drawing nowhere better.
-        if np.isclose(missing, begun, TWINS, 0.0).any() or (found is not None and is_flat(system, equations, point)):
+        if np.isclose(missing, begun, DRAWING_ACCURACY, 0.0).any() or (found is not None and is_flat(system, equations, point)):
             continue
         begun.append(missing)
         other = yield from _approached(system, equations, point)

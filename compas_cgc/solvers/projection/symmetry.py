@@ -15,11 +15,11 @@ from ...errors import ProblemError
 from ...model.constraints import Mirror
 from ...model.constraints import unit
 from ...model.problem import CGCProblem
+from ...model.tolerances import NEGLIGIBLE
 
 __all__ = ["Image", "images", "keep_faces", "tears_faces", "together"]
 
 REACH = 0.5  # how far from its place an image may be, in mean edges
-SAME = 1e-9  # difference of two symmetries that is rounding
 MOST = 48  # images of a vertex, those of a cube's symmetry
 
 
@@ -65,7 +65,7 @@ def together(generators: Sequence[Image], count: int) -> list[Image]:
 
 
 def _same(one: Image, other: Image) -> bool:
-    near = [np.allclose(a, b, rtol=0, atol=SAME) for a, b in ((one.turn, other.turn), (one.shift, other.shift))]
+    near = [np.allclose(a, b, rtol=0, atol=NEGLIGIBLE) for a, b in ((one.turn, other.turn), (one.shift, other.shift))]
     return np.array_equal(one.to, other.to) and all(near)
 
 

@@ -17,6 +17,7 @@ from ...discrete import edge_faces
 from ...discrete import face_areas
 from ...discrete import vertex_areas
 from ...discrete import vertex_normals
+from ...discrete.arrays import EPS
 from ...discrete.arrays import Edges
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
@@ -32,12 +33,14 @@ from ...model.goals.binding import bind
 from ...model.goals.binding import unknown_constants
 from ...model.measures import read_across
 from ...model.problem import CGCProblem
+from ..constants import LOCAL_ROUNDING
+from ..constants import SMALLEST_FACE
 from .bordered import Bordered
 from .contact import Contact
 from .fairness import Fairness
 from .flatness import flat_share
 from .found_curvature import FoundCurvature
-from .iterate import TINY
+from .iterate import SMALLEST_AREA
 from .iterate import Point
 from .least_norm import LeastNorm
 from .linearised import Kept
@@ -54,14 +57,11 @@ from .vectors import norm
 __all__ = ["KeptDrawing", "System"]
 
 MEASURE, LINES = 0.5, 3.0  # right sides that the equations take as long as to measure, and to write down
-EPS = float(np.finfo(float).eps)
-SOUND = 1e-6  # area of a face, against the mean, below which its normal means nothing
 STEEPEST = 1e8  # derivative of an angle, in the local frame, beyond which it is rounding
 FLAT_SHARE = 0.5  # of a drawing, from which its heights mean nothing
 RELAXING = 2  # times that drawn heights are let go
 SETTLING = 5  # moves that bring a shape onto curved constraints
 FINEST = 1e-8  # residual of multipliers
-MET = 1e-13  # of a goal of the whole surface, as a part of its size, that is rounding
 
 
 class KeptDrawing(NamedTuple):
@@ -109,7 +109,7 @@ class System:
         self.faces = np.ascontiguousarray(F[problem.real_faces])
         areas = face_areas(V, self.faces)
         self.size = math.sqrt(float(areas.sum()))
-        self.sound = areas > SOUND * areas.mean()
+        self.sound = areas > SMALLEST_FACE * areas.mean()
         edges = edge_faces(self.faces)
         hinges = edges[edges[:, 3] >= 0, 2:]
         self._hinges = np.ascontiguousarray(hinges[self.sound[hinges].all(axis=1)].T)
@@ -152,7 +152,9 @@ class System:
         self._across = self._equations if across is F else curvature_equations(across)
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         # Rounding of a sum of angles [rad], and of goals (k + g,).
-        self.floor: FloatArray = np.append(EPS * (8.0 + 2.0 * valence.astype(np.float64)), np.full(len(self.goals.equations), MET))
+        self.floor: FloatArray = np.append(
+            EPS * (8.0 + 2.0 * valence.astype(np.float64)), np.full(len(self.goals.equations), LOCAL_ROUNDING)
+        )
 
     def _kept(self, V: FloatArray) -> tuple[str, Fairness]:
         """Return what is kept of the drawing (n, 3), and what is fair."""
@@ -295,7 +297,7 @@ class System:
     def missing(self, point: Point, equations: CurvatureEquations) -> float:
         """Return the residuals of a shape as a part of the curvature asked for, or of one over the area where none is."""
         asked = norm(equations.targets[self.rows] * point.areas)
-        return norm(point.residual) / max(asked or norm(point.areas) / self.size**2, TINY)
+        return norm(point.residual) / max(asked or norm(point.areas) / self.size**2, SMALLEST_AREA)
 
     def linearised(self, point: Point, equations: CurvatureEquations, kept: Optional[Kept] = None) -> Linearised:
         """Return the equations about a shape; what was kept from another shape is used where it fits."""
@@ -355,7 +357,7 @@ class System:
     def rounding(self, point: Point, equations: CurvatureEquations) -> FloatArray:
         """Return what rounding of the angles and of the coordinates leaves of the residuals (k + g,) [rad]."""
         slope = np.asarray(abs(self.jacobian(point, equations)).sum(axis=1)).ravel()
-        slope = np.append(slope, np.full(len(self.goals.equations), MET / EPS))
+        slope = np.append(slope, np.full(len(self.goals.equations), LOCAL_ROUNDING / EPS))
         return self.floor + EPS * slope * np.abs(point.vertices[self.columns]).max(initial=0.0)
 
     def jacobian(self, point: Point, equations: CurvatureEquations) -> sparse.csr_matrix:

@@ -9,6 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
+from ...model.tolerances import ROUNDING
 from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
 from .iterate import Point
@@ -32,8 +33,7 @@ ON = 1e-4  # residual, against the curvature asked for, that is on them
 SETTLED = 1e-7  # longest move, against the size of the mesh, that is none
 POINTLESS = 3e-3  # decrease, against the energy, that is not worth steps that have to be cut back
 AIMLESS = 0.5  # of a step, against the one before, that has not come nearer, where the energy is settled
-FLAT = 1e-12  # energy, the square of bending over the size of the mesh, that is none: multipliers of equations that say nothing lead off
-ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
+SMALLEST_STEP = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
 
 
 def refine(system: System, equations: CurvatureEquations, reached: Reached, enough: float = SETTLED) -> Generator[Taken, None, Reached]:
@@ -79,7 +79,7 @@ def _refined(
         system = system.renewed(here, equations, multipliers)
         linear = system.linearised(here, equations, kept)
         model = QuadraticModel(system, equations, linear, here, multipliers)
-        if model.energy <= FLAT:
+        if model.energy <= ROUNDING:
             return Reached(here, multipliers, system), True
         kept = linear.kept
         scale = math.sqrt(max(model.energy, 0.0))
@@ -92,7 +92,7 @@ def _refined(
             ratio = 0.0
             if there is not None and step.promised > 0.0:
                 ratio = (model.lagrangian(here) - model.lagrangian(there)) / step.promised
-                small = step.length <= ROUNDING * scale or (
+                small = step.length <= SMALLEST_STEP * scale or (
                     step.promised <= POINTLESS * model.energy and _nearer(system, equations, here, there)
                 )
                 if ratio < LITTLE and not (step.inside and small):

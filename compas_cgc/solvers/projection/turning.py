@@ -11,7 +11,6 @@ from .system import System
 __all__ = ["Turning"]
 
 TURN = 0.5  # cosine of the angle that a face may turn by in a step
-SHARPEST = 0.0  # cosine of the sharpest fold that a step may make
 
 
 class Turning:
@@ -23,7 +22,7 @@ class Turning:
     def __init__(self, system: System, vertices: FloatArray):
         self._system = system
         self._normals = face_normals(vertices, system.faces)
-        self._folds = np.minimum(system.folds(self._normals), SHARPEST)
+        self._folds = np.minimum(system.folds(self._normals), 0.0)
 
     def allows(self, vertices: FloatArray) -> bool:
         """Return whether no sound face of a shape (n, 3) has turned far, and no edge folds more sharply than a right angle."""
