@@ -20,6 +20,7 @@ from compas_cgc.fabrication.bending import unbounded_curvature
 from compas_cgc.fabrication.figures import two_digits
 from compas_cgc.fabrication.panel_schedule import NOTES
 from compas_cgc.fabrication.panel_schedule import PanelSide
+from compas_cgc.fabrication.panel_schedule import _in_plane
 from compas_cgc.fabrication.panel_schedule import model_notes
 from compas_cgc.fabrication.panel_schedule import panel_sheets
 from compas_cgc.fabrication.panel_schedule import panel_totals
@@ -61,6 +62,13 @@ def test_sides_are_the_seams_with_the_neighbours(report):
         assert 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0.8e6 * own.area
         assert all(np.allclose(a.points[-1], b.points[0]) for a, b in zip(own.sides, [*own.sides[1:], own.sides[0]]))
     assert sum(own.area for own in sheets.values()) == pytest.approx(face_areas(problem.vertices, problem.faces).sum())
+
+
+@pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.0, 0.6, 0.8), (0.28, 0.96, 0.0)])
+def test_points_keep_their_distances_in_the_plane_of_a_panel(normal):
+    across = np.array([[-normal[1], normal[0], 0.0] if any(normal[:2]) else [1.0, 0.0, 0.0]])
+    points = np.vstack([across, np.cross(normal, across)])
+    assert _in_plane(points, np.array(normal)) @ _in_plane(points, np.array(normal)).T == pytest.approx(points @ points.T)
 
 
 def test_the_table_has_one_row_per_panel_in_millimetres(report):

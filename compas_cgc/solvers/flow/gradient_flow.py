@@ -170,9 +170,7 @@ def _local_lengths(settings: FlowSettings, local: CGCProblem, frame: Frame) -> t
 def _errors(here: Measurement, problem: CGCProblem) -> tuple[float, float]:
     """Return the largest |K - K̄| and the norm κ of Eq. 30 over the vertices where K is asked."""
     error = (here.curvature - problem.targets)[problem.asked]
-    if not error.size:
-        return 0.0, 0.0
-    return float(np.abs(error).max()), float(np.linalg.norm(error))
+    return float(np.abs(error).max(initial=0.0)), float(np.linalg.norm(error))
 
 
 def _curvature_bound(problem: CGCProblem, zeta: float, start_error: float) -> FloatArray:

@@ -168,6 +168,13 @@ def test_a_kink_inside_a_face_is_a_crease(tmp_path, heights, folds, regions, len
     assert smallest_angles(*mesh.arrays()).min() >= 20
 
 
+@pytest.mark.parametrize("end", [2.0, 0.0])
+def test_an_edge_with_a_point_on_a_kink_crosses_it_once(end):
+    surface = ParametricSurface(folded([[0, 0], [2, 2], [0, 0]]))
+    line = surface.at(np.array([[2.0 - end, 0.5], [1.0, 0.5], [end, 0.5]]))
+    assert surface.crossings(line, 0.01) == pytest.approx([math.sqrt(13.0)])
+
+
 def spline(heights, knots, span=6.0):
     """Return a cubic barrel over a strip, with control points that may lie on each other."""
     rows = len(heights)

@@ -321,6 +321,13 @@ def test_a_solved_shape_is_left_alone():
     assert (again.status, again.iterations) == ("converged", 0)
 
 
+def test_a_mesh_without_inner_vertices_is_left_alone():
+    problem = fixed_square(n=1)
+    solution = flow(problem, settings=FlowSettings(tolerance=0.0, steps=2))
+    assert not problem.asked.any() and np.array_equal(solution.vertices, problem.vertices)
+    assert solution.max_error == 0.0 and solution.history.error_norm.tolist() == [0.0, 0.0]
+
+
 def test_targets_of_zero_are_reached():
     problem = fixed_square(8, 1.0, 0.0)
     vertices = problem.vertices + np.where(problem.asked, 0.02, 0)[:, None] * [0, 0, 1]
