@@ -23,6 +23,9 @@ from compas_cgc.model.problem import FREE
 from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.problem import Drawing
+from compas_cgc.model.verdict import MAX_ERROR_90
+from compas_cgc.model.verdict import MAX_OTHER_SIDE
+from compas_cgc.model.verdict import MAX_WAVINESS_95
 
 from ..support import shapes
 from ..system.fairness_study import known_case
@@ -50,6 +53,12 @@ def test_a_sphere_is_fair_and_its_numbers_are_those_of_a_sphere():
     plan = face_areas(problem.vertices * [1, 1, 0], problem.faces).sum()
     assert found.area_kept == pytest.approx(face_areas(problem.vertices, problem.faces).sum() / plan, rel=1e-12)
     assert found.to_dict()["word"] == "fair" and found.places == []
+
+
+@pytest.mark.parametrize("name, limit", [("fit_most", MAX_ERROR_90), ("waviness", MAX_WAVINESS_95), ("bulging_both_ways", MAX_OTHER_SIDE)])
+def test_roughness_is_the_largest_value_relative_to_its_limit(name, limit):
+    found = replace(verdict(cap()), fit_most=None, waviness=None, bulging_both_ways=0.0)
+    assert found.roughness == 0.0 and replace(found, **{name: 1.5 * limit}).roughness == pytest.approx(1.5)
 
 
 def test_a_crumpled_sphere_is_rough():
