@@ -122,6 +122,16 @@ def test_units_that_are_none_are_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_result_has_the_version_of_its_source(tmp_path):
+    result = solve(problem())
+    for version in (7, 8):
+        write_problem(tmp_path / "a.3dm", problem(), version=version)
+        write_result(tmp_path / "b.3dm", result, tmp_path / "a.3dm")
+        assert objects(tmp_path / "b.3dm")[0].ArchiveVersion == 10 * version
+    write_result(tmp_path / "b.3dm", result)
+    assert objects(tmp_path / "b.3dm")[0].ArchiveVersion == 70
+
+
 @pytest.fixture
 def handed_over(tmp_path):
     """Return a file with everything in it that has to survive."""

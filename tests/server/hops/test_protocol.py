@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
 from compas_cgc.server.hops.data_tree import format_number
 from compas_cgc.server.hops.data_tree import format_text
+from compas_cgc.server.hops.endpoints import endpoints
 
 from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
@@ -135,6 +136,15 @@ def test_an_item_is_the_first_of_the_first_branch(server):
     several = {"{1}": [{"data": 0.05}], "{0;7}": [{"data": 0.01}, {"data": 0.03}]}
     status, body = plain(server, "dome", Mesh={"{3;1;4}": [{"data": mesh}]}, K=several)
     assert status == 200 and error_of(body) == expected
+
+
+def test_defaults_are_those_of_the_descriptions():
+    inputs = [own for one in endpoints().values() for own in one.inputs if "Defaults to " in own.text]
+    assert len(inputs) > 40
+    for own in inputs:
+        (stated,) = re.findall(r"Defaults to ([\w.+-]*\w)", own.text)
+        kept = str(own.default).lower() if isinstance(own.default, (bool, str)) else f"{own.default:g}"
+        assert stated.lower() == (kept or "none"), own.name
 
 
 @pytest.mark.parametrize("tree", [{}, {"{0}": []}, None, {"{0}": [], "{1}": []}, {"{0}": [{"data": None}]}])
