@@ -47,8 +47,7 @@ LARGEST_STRAIN = 0.05  # metals and timber break or buckle long before; a larger
 ALONG = ("plan", "curvature")  # coordinates that a grid of panels may follow
 NET_KINDS = ("curvature", "asymptotic")  # curves that a net may be made of in all regions
 PAPERS = ("A4", "A3", "A2", "A1", "A0")  # from the smallest
-# Units of files by their usual abbreviation.
-DRAWING_UNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters", "in": "Inches", "ft": "Feet"}
+DRAWING_UNITS = {UNIT_SYMBOLS[name]: name for name in ("Millimeters", "Centimeters", "Meters", "Inches", "Feet")}  # of files
 
 
 class Sheet(NamedTuple):

@@ -22,8 +22,8 @@ from ..fabrication.shell.edges import region_edges
 from ..fabrication.shell.panels import panel_pieces
 from ..fabrication.shell.regions import region_surfaces
 from ..model.problem import CGCProblem
+from ..model.units import METRES
 from .occt import opencascade
-from .opencascade import MILLIMETRES
 from .opencascade import shell_of
 from .opencascade import step_content
 from .opencascade import trimmed_face
@@ -54,7 +54,7 @@ def mould_step_bytes(problem: CGCProblem, report: MouldReport) -> tuple[bytes, l
         If the package that writes STEP files is not installed.
     """
     occt = opencascade()
-    factor = MILLIMETRES.get(problem.drawing.units or "Meters", 1e3)
+    factor = 1e3 * METRES.get(problem.drawing.units or "Meters", 1.0)
     shapes, names, notes, origin = [], [], [], problem.vertices.mean(axis=0)
     for place in mould_places(problem, report):
         shapes.append(_cap(occt, place.mould, factor, place.pole - origin))

@@ -30,10 +30,9 @@ from .occt import opencascade
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["MILLIMETRES", "shell_of", "step_content", "trimmed_face", "untrimmed_face"]
+__all__ = ["shell_of", "step_content", "trimmed_face", "untrimmed_face"]
 
 CURVE_DEGREE = 3
-MILLIMETRES = {"Millimeters": 1.0, "Centimeters": 10.0, "Meters": 1e3, "Kilometers": 1e6, "Inches": 25.4, "Feet": 304.8, "Yards": 914.4}
 TIME_STAMP = re.compile(r"'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[^']*'")
 COUNTER = re.compile(r"PRODUCT\('(.*) [\d.]+',\s*'\1 [\d.]+',")
 OCCURRENCE = re.compile(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('\d+'")

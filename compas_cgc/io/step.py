@@ -5,9 +5,9 @@ from __future__ import annotations
 from ..fabrication.shell.regions import region_surfaces
 from ..model.counts import counted
 from ..model.problem import CGCProblem
+from ..model.units import METRES
 from .occt import SHELL
 from .occt import opencascade
-from .opencascade import MILLIMETRES
 from .opencascade import shell_of
 from .opencascade import step_content
 
@@ -32,7 +32,7 @@ def step_bytes(problem: CGCProblem) -> tuple[bytes, list[str]]:
     """
     occt = opencascade()
     fit = region_surfaces(problem)
-    factor = MILLIMETRES.get(problem.drawing.units or "Meters", 1e3)
+    factor = 1e3 * METRES.get(problem.drawing.units or "Meters", 1.0)
     shell, order = shell_of(occt, fit, lambda points: factor * fit.scale * points)
     content = step_content(shell, problem.drawing.name or "compas_cgc", [f"region {number}" for number in order], factor * fit.centre)
     shells = len(occt.shape_explore(shell, SHELL))

@@ -6,12 +6,13 @@ import numpy as np
 
 from ..discrete import edge_faces
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
 
-__all__ = ["line_edges", "with_short_lines"]
+__all__ = ["along_inner_lines", "line_edges", "with_short_lines"]
 
 # The children of a face (a, b, c) whose edges ab, bc, ca have the middles 3, 4, 5, for the first one, two or three of these.
 CHILDREN = {1: ((0, 3, 2), (3, 1, 2)), 2: ((3, 1, 4), (0, 3, 4), (0, 4, 2)), 3: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))}
@@ -20,14 +21,22 @@ CHILDREN = {1: ((0, 3, 2), (3, 1, 2)), 2: ((3, 1, 4), (0, 3, 4), (0, 4, 2)), 3: 
 def line_edges(problem: CGCProblem) -> IntArray:
     """Return the edges (c, 2) along the rim, creases and lines of supports, each from its smaller vertex to its larger one."""
     edges = edge_faces(problem.faces)
-    n = len(problem.vertices)
+    return np.asarray(np.sort(edges[:, :2], axis=1)[(edges[:, 3] < 0) | along_inner_lines(problem, problem.roles == FIXED, edges)])
+
+
+def along_inner_lines(problem: CGCProblem, fixed: Mask, edges: IntArray) -> Mask:
+    """Return which of all edges with their faces (e, 4) lie inside along creases or lines of fixed vertices (n,)."""
+    n, ends, inner = len(problem.vertices), edges[:, :2], edges[:, 3] >= 0
     rim = np.zeros(n, bool)
-    rim[edges[edges[:, 3] < 0, :2]] = True
-    ends = np.sort(edges[:, :2], axis=1)
-    on_crease = np.isin(ends @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1])
+    rim[ends[~inner]] = True
+    on_crease = np.isin(np.sort(ends, axis=1) @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1])
+    creased = problem.roles == CREASE
+    # Some problems name the vertices of creases, but not their edges.
+    alone = creased.copy()
+    alone[problem.creases] = False
     # An edge between two supports of the rim may cross the surface.
-    held = (problem.roles[ends] == FIXED).all(axis=1) & ~rim[ends].all(axis=1)
-    return np.asarray(ends[(edges[:, 3] < 0) | on_crease | held])
+    held = fixed[ends].all(axis=1) & ~rim[ends].all(axis=1)
+    return np.asarray(inner & (on_crease | (creased[ends].all(axis=1) & alone[ends].any(axis=1)) | held))
 
 
 def with_short_lines(problem: CGCProblem, longest: float) -> CGCProblem:

@@ -22,6 +22,7 @@ from ..model.constraints import Constraint
 from ..model.constraints import Fixed
 from ..model.constraints import PositionConstraint
 from ..model.constraints import Proximity
+from ..model.divided import along_inner_lines
 from ..model.goals.inequalities import Bound
 from ..model.goals.wholes import Length
 from ..model.goals.wholes import Unknown
@@ -149,7 +150,8 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     plan, up = seen
     plan = plan @ _evened(plan, F) if stretched else plan
     fixed = _fixed(problem)
-    lines = _lines(problem, fixed)
+    edges = edge_faces(F)
+    lines = edges[along_inner_lines(problem, fixed, edges), :2]
     corners = plan[F]
     side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = 0.5 * float((side[:, 0] * other[:, 1] - side[:, 1] * other[:, 0]).sum())
@@ -263,21 +265,6 @@ def _creased(problem: CGCProblem) -> Mask:
     creased = problem.roles == CREASE
     creased[problem.creases] = True
     return creased
-
-
-def _lines(problem: CGCProblem, fixed: Mask) -> Edges:
-    """Return the edges inside along creases and lines of supports (c, 2)."""
-    edges = edge_faces(problem.faces)
-    u, v = edges[edges[:, 3] >= 0, :2].T
-    n, creased = len(fixed), problem.roles == CREASE
-    on_crease = np.isin(np.minimum(u, v) * n + np.maximum(u, v), np.sort(problem.creases, axis=1) @ [n, 1])
-    # Some problems name the vertices of creases, but not their edges.
-    alone = creased.copy()
-    alone[problem.creases] = False
-    rim = boundary_vertices(problem.vertices, problem.faces)
-    held = fixed[u] & fixed[v] & ~(rim[u] & rim[v])
-    on = on_crease | (creased[u] & creased[v] & (alone[u] | alone[v])) | held
-    return np.column_stack([u, v])[on]
 
 
 def _kept(problem: CGCProblem, fixed: Mask, lines: Edges) -> Mask:

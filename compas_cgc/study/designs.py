@@ -22,7 +22,9 @@ from .variants import Measured
 from .variants import Plan
 from .variants import check_columns
 
-__all__ = ["DesignPlan", "plan_of"]
+__all__ = ["NO_COMMON_MESH", "DesignPlan", "plan_of"]
+
+NO_COMMON_MESH = "variants of a design have no common mesh; results.plan.solve(variant) returns the panels of a variant"
 
 MEASURES = ("status", "verdict", "panels", "moulds", "distance", "rms", "fold", "error")
 LENGTHS = ("panel", "within", "tolerance")
@@ -95,7 +97,7 @@ class DesignPlan:
         ------
         CGCError
         """
-        raise CGCError(f"variants of a design have no common mesh; results.plan.solve({variant}) returns the panels of the variant")
+        raise CGCError(NO_COMMON_MESH)
 
     def measured(self, variant: int) -> Measured:
         """Return the row of a variant; errors are reported in its note."""

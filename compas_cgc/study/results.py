@@ -20,6 +20,7 @@ from ..io import read_problem
 from ..model.problem import CGCProblem
 from ..rationalisation.design import GivenDesign
 from ..rationalisation.design_data import design_from_dict
+from .designs import NO_COMMON_MESH
 from .designs import DesignPlan
 from .designs import plan_of
 from .spec import Ranking
@@ -148,7 +149,7 @@ class Results:
             If the variants are those of a design, which have no common mesh.
         """
         if self.of_design:
-            raise CGCError("variants of a design have no common mesh; results.plan.solve(variant) returns the panels of a variant")
+            raise CGCError(NO_COMMON_MESH)
         return np.load(self.folder / SURFACES, mmap_mode="r")
 
     def column(self, name: str) -> list[Any]:
