@@ -40,7 +40,7 @@ def add_cells(
 
     Faces (g, k), places (g, k, 6) of their unknowns among those of the cell, and entries of the sparse matrix (g, w, w) and of its
     rows (g, w), -1 for none. `even` (g, k, k) is empty where nothing is evened out. G (w, 7), D (6k, w), C, H (w, w) and `pulled`
-    (w, 7) are room to work in; what faces contribute is that of ``_Parts``, `shape_slopes` times the root of their weights.
+    (w, 7) are room to work in; what faces contribute is that of ``Parts``, `shape_slopes` times the root of their weights.
     """
     cells, k = faces.shape
     w = C.shape[0]

@@ -21,10 +21,10 @@ from ..constants import MULTIPLIER_MARGIN
 from ..constants import SHORTEST
 from ..constants import WEIGHT_DECAY
 from .lagrangian import Lagrangian
-from .lagrangian import Model
 from .lagrangian import State
 from .negative_curvature import negative_curvature
 from .saddle import Saddle
+from .sparsity import Model
 
 __all__ = ["Step", "regularisation", "steps"]
 
