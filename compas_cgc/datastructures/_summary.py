@@ -65,7 +65,7 @@ def _sunk(problem: CGCProblem, size: float) -> str:
     """Return how far a roof of K > 0 sags below its supported boundary, where water would collect between domes."""
     z, fixed = problem.vertices[:, 2], problem.roles == FIXED
     held = fixed[boundary_vertices(problem.vertices, problem.faces)]
-    bulges = (problem.targets[problem.asked] > 0.0).all() and face_normals(problem.vertices, problem.faces)[:, 2].mean() > 0.0
+    bulges = (problem.types[problem.asked] > 0).all() and face_normals(problem.vertices, problem.faces)[:, 2].mean() > 0.0
     if not held.any() or not held.all() or not bulges:
         return ""
     lowest = float(z[fixed].min())

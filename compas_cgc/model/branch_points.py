@@ -43,7 +43,7 @@ def branch_points(problem: CGCProblem, fits: LocalFits) -> IntArray:
     """
     nothing = np.zeros(0, np.int64)
     asked = problem.asked
-    if not asked.any() or not (problem.targets[asked] < 0.0).all() or len(problem.creases) or problem.goals:
+    if not asked.any() or not (problem.types[asked] < 0).all() or len(problem.creases) or problem.goals:
         return nothing
     known = (depth(problem) > 1) & asked & np.isfinite(fits.bending[:, 0])
     faces = problem.faces[known[problem.faces].all(axis=1)]

@@ -60,7 +60,7 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
     V, F = problem.vertices, problem.faces[problem.regions() == region]
     own = problem.region_vertices(region)
     asked, supports = problem.asked & own, np.flatnonzero((problem.roles == FIXED) & own)
-    if not asked.any() or not (problem.targets[asked] > 0).all() or not 3 <= len(supports) <= MAX_SUPPORTS_PAIRS:
+    if not asked.any() or not (problem.types[asked] > 0).all() or not 3 <= len(supports) <= MAX_SUPPORTS_PAIRS:
         return
     plan = V[:, :2]
     crosses = _crosses(plan[F])

@@ -190,8 +190,8 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
     V, F, names = problem.vertices, problem.faces, problem.names.vertices
     remarks: list[str] = []
     normals = face_normals(V, F)
-    targets = problem.targets[problem.asked]
-    if len(normals) and (normals[:, 2] < -0.5).all() and len(targets) and np.nanmin(targets, initial=np.inf) > 0:
+    types = problem.types[problem.asked]
+    if len(normals) and (normals[:, 2] < -0.5).all() and len(types) and np.nanmin(types, initial=np.inf) > 0:
         text = (
             "the normals point down, so the surface will hang below its supports; flip the faces (mesh.flip(), or --flip) to make it rise"
         )
@@ -234,7 +234,7 @@ def _on_one_line(points: FloatArray, around: FloatArray) -> bool:
 
 def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
     """Return warnings about vertices that cannot have K̄ < 0, or else about needle triangles there."""
-    saddle = problem.asked & (problem.targets < 0.0)
+    saddle = problem.asked & (problem.types < 0)
     lost = three_faced(problem.faces, np.flatnonzero(saddle))
     if len(lost):
         return [Diagnostic(no_saddle(problem.names.vertices[lost]), fatal=False)]
@@ -289,8 +289,8 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
         if not around:
             closed = "the mesh is closed; the only closed smooth surface of constant K is a sphere"
             problems.append(Diagnostic(closed, fatal=False))
-        targets = problem.targets[own[problem.asked[own] & ~unknown[own]]]
-        if p in creased or not all((roles[loop] == FIXED).all() for loop in around) or not len(targets) or targets.min() <= 0:
+        types = problem.types[own[problem.asked[own] & ~unknown[own]]]
+        if p in creased or not all((roles[loop] == FIXED).all() for loop in around) or not len(types) or types.min() <= 0:
             continue
         corners = F[piece == p]
         up = face_normals(V, corners).sum(axis=0)

@@ -20,9 +20,9 @@ def saddle_in_flat_edge(problem: CGCProblem) -> list[Sentence]:
 
     A surface with K < 0 has no tangent plane on one side of which it lies, so that it stays within the convex hull of its edge.
     """
-    targets = problem.targets[problem.asked]
+    types = problem.types[problem.asked]
     loops = boundary_loops(problem.faces)
-    if not len(targets) or not (targets < 0.0).all() or len(problem.creases) or not loops:
+    if not len(types) or not (types < 0).all() or len(problem.creases) or not loops:
         return []
     edge = np.concatenate(loops)
     if not (problem.roles[edge] == FIXED).all() or plane_of(problem.vertices[edge])[1] > NEGLIGIBLE:

@@ -14,6 +14,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.plan import cross
 from ..errors import Remedy
 from ..errors import Sentence
+from .laws import types_of
 from .problem import CGCProblem
 from .roles import FIXED
 from .tolerances import DRAWING_ACCURACY
@@ -56,7 +57,7 @@ def dividing_creases(problem: CGCProblem) -> list[Remedy]:
 
     Many of them have no fair surface although those that :func:`inward_edges` names are excluded for certain.
     """
-    convex = [region for region, K in enumerate(problem.region_targets()) if K is not None and K > 0.0]
+    convex = [region for region, K in enumerate(problem.region_targets()) if K is not None and types_of(np.array(K)) > 0]
     regions = problem.regions()
     return _as_remedies([line for region in convex for line in _dividing(problem, problem.faces[regions == region])])
 
@@ -68,7 +69,7 @@ def _as_remedies(lines: list[_Crease]) -> list[Remedy]:
 def _of_region(problem: CGCProblem, region: int) -> Optional[Sentence]:
     faces = problem.faces[problem.regions() == region]
     asked = problem.asked & problem.region_vertices(region)
-    if not asked.any() or not (problem.targets[asked] > 0.0).all():
+    if not asked.any() or not (problem.types[asked] > 0).all():
         return None
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     lines = _lines(problem, faces)

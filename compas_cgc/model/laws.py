@@ -30,6 +30,7 @@ __all__ = [
     "Shape",
     "as_law",
     "laws_by_region",
+    "types_of",
 ]
 
 Curvature = Union[float, FloatArray]
@@ -403,6 +404,11 @@ class LinearWeingarten(_Linear):
 def _checked(value: object, name: str) -> None:
     if not math.isfinite(checked_number(value, name)):
         raise ValueError(f"{name} must be a finite number, not {value!r}")
+
+
+def types_of(targets: FloatArray) -> FloatArray:
+    """Return the types of K = K̄ for targets (k,): 1 elliptic, 0 parabolic, -1 hyperbolic, NaN without a target."""
+    return np.sign(ConstantCurvature(targets).discriminant(targets, targets))
 
 
 class Piecewise(Law):

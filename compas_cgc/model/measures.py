@@ -149,5 +149,5 @@ def is_held_along_edges(problem: CGCProblem) -> bool:
 
 
 def _is_elliptic(problem: CGCProblem) -> bool:
-    targets = problem.targets[problem.asked]
-    return bool(len(targets) and (targets > 0).all())
+    types = problem.types[problem.asked]
+    return bool(len(types) and (types > 0).all())

@@ -44,6 +44,7 @@ from .given import wrong_problem
 from .laws import ConstantCurvature
 from .laws import Law
 from .laws import as_law
+from .laws import types_of
 from .motion import Similarity
 from .motion import similarity_of
 from .roles import CREASE
@@ -444,6 +445,11 @@ class CGCProblem:
         if self.laws:
             internal[self.faces[np.isin(self.regions(), list(self.laws))]] = False
         return internal
+
+    @property
+    def types(self) -> FloatArray:
+        """Types of K = K̄ at the vertices (n,): 1 elliptic, 0 parabolic, -1 hyperbolic, NaN without a target."""
+        return types_of(self.targets)
 
     @property
     def movable(self) -> NDArray[np.bool_]:

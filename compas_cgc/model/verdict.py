@@ -186,7 +186,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         error = error if _is_off(closer - own, areas) else closer
     median, most = _percentiles(error, areas, 50, 90)
     wavy, waviest = _percentiles(wave, areas, 75, 95)
-    positive = np.isfinite(fits.mean) & (problem.targets > 0)
+    positive = np.isfinite(fits.mean) & (problem.types > 0)
     both = float((areas @ other) / (areas @ positive)) if positive.any() else 0.0
     too_sharp = float(sharp.mean()) if len(sharp) else 0.0
     sharpest = float(np.degrees(fold.max(initial=0.0)))
@@ -368,7 +368,7 @@ def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntAr
     apart, along = here - there, here + there
     fold = 2.0 * np.arctan2(np.sqrt(np.einsum("ij,ij->i", apart, apart)), np.sqrt(np.einsum("ij,ij->i", along, along)))
     principal = _principal(fits)
-    held, positive = on_held_edges(problem), problem.targets > 0.0
+    held, positive = on_held_edges(problem), problem.types > 0
     known = (np.isfinite(principal[u]) | np.isfinite(principal[v])) & ~((held[u] | held[v]) & (positive[u] | positive[v]))
     along = V[v] - V[u]
     squared = np.maximum(np.einsum("ij,ij->i", along, along), TINY)

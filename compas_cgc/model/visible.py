@@ -20,6 +20,7 @@ from ..discrete.measured_curvature import MeasuredCurvature
 from ..discrete.topology import within_rings
 from .goals.binding import bind
 from .goals.places import Level
+from .laws import types_of
 from .problem import CGCProblem
 from .roles import FIXED
 
@@ -62,13 +63,13 @@ def points(problem: CGCProblem, measured: MeasuredCurvature) -> Points:
     targets = np.where(problem.asked[at], problem.targets[at], of_regions[region])
     F, fixed, held = problem.faces, problem.roles == FIXED, on_held_edges(problem)
     near = within_rings(F, fixed, NEAR)
-    unbounded = held | (within_rings(F, held, NEAR) & (problem.targets > 0.0))
+    unbounded = held | (within_rings(F, held, NEAR) & (problem.types > 0))
     if not fixed.any():
         # Of a surface alone it is unknown where it was supported.
         unbounded |= within_rings(F, boundary_vertices(problem.vertices, F), NEAR)
     excess = np.abs(measured.gaussian - targets) * cells
     allowed = HALF * np.abs(targets) * cells + np.pi / 4.0 * VISIBLE**2
-    far_off = (excess > allowed) & (~near[at] | (measured.gaussian * np.sign(targets) < 0.0))
+    far_off = (excess > allowed) & (~near[at] | (measured.gaussian * types_of(targets) < 0.0))
     bad = far_off & ~unbounded[at] & (problem.asked | fixed)[at]
     return Points(at[bad], 2.0 * np.sqrt(excess[bad] / np.pi), measured.gaussian[bad])
 
@@ -92,7 +93,7 @@ def dip(problem: CGCProblem, measured: MeasuredCurvature) -> tuple[int, float]:
     Where it does not, it dips between them, as at the free end of a valley.
     """
     fixed, asked = problem.roles == FIXED, problem.asked
-    if not asked.any() or not (problem.targets[asked] > 0.0).all() or fixed.sum() < 3 or fixed[asked].any():
+    if not asked.any() or not (problem.types[asked] > 0).all() or fixed.sum() < 3 or fixed[asked].any():
         return -1, 0.0
     V, F = problem.vertices, problem.faces
     areas = face_areas(V, F)

@@ -90,7 +90,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
             return [GOALS]
         return [*_between(problem, MEETS), GOALS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
-    if (strategies & (problem.roles == CREASE)).any() and not (problem.targets[problem.asked] < 0).any():
+    if (strategies & (problem.roles == CREASE)).any() and not (problem.types[problem.asked] < 0).any():
         return [FLOW, BENDING]
     if is_held_all_round(problem):
         return [RIM, PLAIN_RIM, BENDING]

@@ -66,7 +66,7 @@ def solved_on(
             return None
         solution = polish(drawn, settings=own, start=problem.vertices, callback=callback)  # type: ignore[arg-type]
     elif first.method == "projection" and not first.options and not tears_faces(drawn):
-        if (problem.targets < 0.0).any() or (before.targets < 0.0).any():
+        if (problem.types < 0).any() or (before.types < 0).any():
             # From one saddle to the next a way leads to others than from the drawing, as there are many of nearly the same energy.
             return None
         projector = Projector(drawn, settings=own) if drawn.goals else ready(drawn, own)  # type: ignore[arg-type]
@@ -87,7 +87,7 @@ def solved_on(
 def _of_same_types(problem: CGCProblem, before: CGCProblem) -> bool:
     """Return whether all targets have the same signs, and all laws the same types."""
     types = [{region: law.type for region, law in own.laws.items()} for own in (problem, before)]
-    return np.array_equal(np.sign(problem.targets), np.sign(before.targets), equal_nan=True) and types[0] == types[1]
+    return np.array_equal(problem.types, before.types, equal_nan=True) and types[0] == types[1]
 
 
 def steps_towards(problem: CGCProblem, surface: CGCProblem, steps: int, callback: Callable[[SolveState], object]) -> None:
@@ -114,6 +114,6 @@ def steps_towards(problem: CGCProblem, surface: CGCProblem, steps: int, callback
         )
     ):
         return
-    if (np.sign(problem.targets) != np.sign(origin.drawn.targets))[problem.asked].any() or np.isnan(problem.targets[problem.asked]).any():
+    if (problem.types != origin.drawn.types)[problem.asked].any() or np.isnan(problem.targets[problem.asked]).any():
         return
     ready(problem).solve(problem.targets, start, callback=lambda state: bool(callback(state)) or state.step >= steps)

@@ -37,7 +37,7 @@ def rounder_than_half_a_sphere(problem: CGCProblem) -> str:
     'K̄ = 5 is that of a sphere of radius 0.447, and a half sphere over the width of 10 has K = 0.04; ask for less'
     """
     K = float(np.nan_to_num(problem.targets[problem.asked]).max(initial=0.0))
-    if K <= 0.0 or len(problem.creases):
+    if not (problem.types[problem.asked] > 0).any() or len(problem.creases):
         return ""
     width = _width(problem)
     if K * width**2 <= 4.0:
@@ -62,7 +62,7 @@ def cap_of_the_rise(problem: CGCProblem) -> str:
     """
     targets = problem.targets[problem.asked]
     rise = max((goal.rise for goal in problem.goals if isinstance(goal, Rise)), default=0.0)
-    if not rise > 0.0 or len(problem.creases) or not targets.min(initial=np.inf) > 0.0:
+    if not rise > 0.0 or len(problem.creases) or not (problem.types[problem.asked] > 0).all():
         return ""
     width = _width(problem)
     cap = (2.0 * rise / (0.25 * width**2 + rise**2)) ** 2

@@ -168,7 +168,7 @@ def raised(
 def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = False) -> Limit:
     targets = problem.targets[problem.asked]
     largest = float(targets[np.argmax(np.abs(targets))])
-    several = bool((targets * largest < 0).any() or np.ptp(targets) > 0)
+    several = bool(np.ptp(targets))
     carried, beyond = bracket
     if carried is None:
         least = largest * (beyond or 0.0)

@@ -71,7 +71,8 @@ class Rising:
         self.trail: list[Carried] = []
         self._solve = _solver(problem)
         targets, areas = problem.targets[problem.asked], face_areas(problem.vertices, problem.faces)
-        mixed = bool(targets.min() < 0.0 < targets.max())
+        types = problem.types[problem.asked]
+        mixed = bool(types.min() < 0 < types.max())
         # Regions of either sign bend within themselves.
         area = float(np.bincount(problem.regions(), areas).max() if mixed else areas.sum())
         self._total = float(np.abs(targets).max()) * area

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -131,3 +132,17 @@ def test_the_public_names_that_are_looked_up_are_those_that_are_declared():
         assert all(hasattr(package, node.target.id) for node in body if isinstance(node, ast.AnnAssign))
         assert sorted(names) == package.__all__ and set(names) <= set(dir(package))
         assert all(getattr(package, name) is getattr(package, name) is not None for name in names)
+
+
+def test_the_sign_of_a_target_is_tested_by_its_law_alone():
+    """Elsewhere code reads types, which the law K = K̄ has as others have."""
+    by_law = re.compile(r"types_of\((?:[^()]|\([^()]*\))*\)")
+    tested = re.compile(r"targets?(\[[^<>=]*\])?\)?(\.(min|max)\([^)]*\))? *[<>]=? *-?0\b|sign\([^)]*targets|\b0(\.0)? *[<>]=? *\w*targets")
+    found = [
+        f"{path.relative_to(PACKAGE)}:{number}: {line.strip()}"
+        for layer in ("model", "solvers", "analysis", "datastructures", "server", "study")
+        for path in sorted((PACKAGE / layer).rglob("*.py"))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if tested.search(by_law.sub("types", line.split("#")[0])) and path.name != "laws.py"
+    ]
+    assert not found, "\n".join(found)

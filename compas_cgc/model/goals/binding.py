@@ -368,8 +368,7 @@ def held_by_newton(problem: CGCProblem) -> bool:
     goals = [own for own in mine if not isinstance(own, Unknown)]
     rim = boundary_vertices(problem.vertices, problem.faces)
     held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
-    targets = problem.targets[problem.asked]
-    elliptic = not (targets < 0).any()
+    elliptic = not (problem.types[problem.asked] < 0).any()
     whole = len(mine) == len(problem.goals) and len(goals) == 1 and len(mine) > 1
     return whole and held and elliptic and not len(problem.creases) and len(unknown_regions(problem)) == 1
 

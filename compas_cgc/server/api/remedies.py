@@ -109,7 +109,7 @@ def remedies_of(problem: CGCProblem, result: SolveResult, messages: Iterable[str
 
 def _corners(problem: CGCProblem) -> Iterator[Remedy]:
     """Yield the remedies for inward corners, which a surface of K > 0 can rarely pass, of any size of K."""
-    if (problem.targets[problem.asked] > 0.0).all() and (inward := inward_supports(problem)):
+    if (problem.types[problem.asked] > 0).all() and (inward := inward_supports(problem)):
         yield Remedy("release", inward)
     yield from dividing_creases(problem.without_dummies())
 

@@ -213,6 +213,6 @@ def _message(status: str, step: int, error: float, goal: float, problem: CGCProb
             "or the steps too long (try a smaller mu0 or a larger q)"
         )
     )
-    if (problem.targets[problem.asked] < 0).any():
+    if (problem.types[problem.asked] < 0).any():
         cause, remedies = "the flow is unstable where K̄ < 0; use another method there", [use_method("auto")]
     return Sentence(f"diverged at step {step}: {cause}; the best shape before that is returned, {reached}", remedies)

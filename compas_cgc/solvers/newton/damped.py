@@ -9,6 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...model.laws import types_of
 from ..constants import ARMIJO
 from ..constants import LOOSE_RESIDUAL
 from .system import Shape
@@ -70,7 +71,7 @@ def at_rounding(system: System, shape: Shape) -> bool:
 
 def _shortened(system: System, shape: Shape, move: FloatArray, shortest: float) -> Optional[Step]:
     norm = np.linalg.norm(shape.residual)
-    convex = (system.targets > 0) & (shape.mean > 0)
+    convex = (types_of(system.targets) > 0) & (shape.mean > 0)
     length, trials = 1.0, 1
     while length >= shortest:
         there = system.moved(shape, length * move, shape.normal)

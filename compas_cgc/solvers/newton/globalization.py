@@ -11,6 +11,7 @@ from ...discrete.space_form import SpaceFormEquations
 from ...linalg import SingularMatrixError
 from ...meshing.existence import Overload
 from ...meshing.existence import overload
+from ...model.laws import types_of
 from ..constants import RUNAWAY
 from ..constants import WITHIN_REACH
 from .damped import at_rounding
@@ -42,7 +43,7 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
     """
     if system.meets(start, settings.tolerance):
         return "converged", ""
-    only_given = settings.start == "given" or bool((system.targets < 0).any())
+    only_given = settings.start == "given" or bool((types_of(system.targets) < 0).any())
     near = settings.start == "auto" and is_near(system, start)
     try:
         if only_given or near:
@@ -77,7 +78,7 @@ def exact_steps(system: System, shape: Shape, settings: NewtonSettings) -> Gener
 
 def is_near(system: System, shape: Shape) -> bool:
     """Return whether Newton's method needs no other start than a shape."""
-    scale = np.where(system.targets > 0, system.targets, system.scale)
+    scale = np.where(types_of(system.targets) > 0, system.targets, system.scale)
     return bool((np.abs(shape.curvature - system.targets) <= WITHIN_REACH * scale).all())
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...linalg import SingularMatrixError
 from ...model.goals.binding import Equation
+from ...model.laws import types_of
 from ..constants import ARMIJO
 from ..constants import LOCAL_ROUNDING
 from ..constants import MAX_STEPS
@@ -89,7 +90,7 @@ def _step(system: System, shape: Shape, K: float, goal: Equation, shortest: floa
     change = float(np.clip(change, -LARGEST * abs(K), LARGEST * abs(K)))
     move = both[:, 0] + change * both[:, 1]
     before = _missing(system, shape, goal)
-    convex = (system.targets > 0) & (shape.mean > 0)
+    convex = (types_of(system.targets) > 0) & (shape.mean > 0)
     length, trials = 1.0, 1
     while length >= shortest:
         other = system.with_curvature(K + length * change)

@@ -14,6 +14,7 @@ from ...errors import use_method
 from ...meshing.existence import Overload
 from ...meshing.existence import too_much
 from ...model.frame import Frame
+from ...model.laws import types_of
 from .system import System
 
 __all__ = ["message"]
@@ -67,7 +68,7 @@ def message(
 
 
 def _advice(cause: str, system: System) -> str:
-    if (system.targets < 0).any():
+    if (types_of(system.targets) < 0).any():
         text = "K̄ < 0 somewhere, where K along the normals alone cannot be solved for; use method 'projection', with some edge free"
         return Sentence(text, [use_method("projection")])
     if cause == "singular":

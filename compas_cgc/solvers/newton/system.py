@@ -22,6 +22,7 @@ from ...discrete.space_form import exact_equations
 from ...linalg import LinearSolver
 from ...linalg import linear_solver
 from ...linalg import nearly_solved
+from ...model.laws import types_of
 from ...model.problem import CGCProblem
 from ..constants import LOCAL_ROUNDING
 
@@ -182,8 +183,9 @@ class System:
 
     def dents(self, shape: Shape) -> int:
         """Return how many vertices bend the other way than most, of those where K̄ > 0."""
-        inwards = int((shape.mean[self.targets > 0] < 0).sum())
-        return min(inwards, int((self.targets > 0).sum()) - inwards)
+        elliptic = types_of(self.targets) > 0
+        inwards = int((shape.mean[elliptic] < 0).sum())
+        return min(inwards, int(elliptic.sum()) - inwards)
 
     def rounding_floor(self, shape: Shape) -> FloatArray:
         """Return how far rounding the coordinates moves each residual (k,) [rad]."""

@@ -149,8 +149,7 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     Where the mesh is large this is settled on fewer and even triangles over the same drawing. Begun from surfaces (n, 3) of other targets
     it is the least.
     """
-    least = problem.targets[problem.asked].min(initial=0.0)
-    hyperbolic = least < 0.0 or any(law.type == "hyperbolic" for law in problem.laws.values())
+    hyperbolic = (problem.types[problem.asked] < 0).any() or any(law.type == "hyperbolic" for law in problem.laws.values())
     tried = EVEN if hyperbolic and not begun else EVEN[:1]
     if settings.evenness is not None:
         tried = (settings.evenness,)

@@ -12,6 +12,7 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...meshing.even_triangles import even_triangles
+from ...model.laws import types_of
 from .closing import closed_across
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
@@ -69,7 +70,7 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
 
 def _on_even_triangles(system: System, equations: CurvatureEquations, measure: str, fair: Vertices) -> _Search:
     """Slide on a mesh of the same fair surface (n, 3) whose triangles leave room for it; return whether that arrives."""
-    negative = system.rows[equations.targets[system.rows] < 0.0]
+    negative = system.rows[types_of(equations.targets[system.rows]) < 0]
     vertices, faces = even_triangles(fair, system.faces, negative, system.creases)
     anew = system.on(vertices, faces)
     own = anew.equations(equations.targets)

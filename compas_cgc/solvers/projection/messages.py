@@ -17,6 +17,7 @@ from ...model.checks import three_faced
 from ...model.constraints import Height
 from ...model.goals.names import goal_name
 from ...model.goals.names import listed
+from ...model.laws import types_of
 from ...model.tolerances import DRAWING_ACCURACY
 from .iterate import Point
 from .system import System
@@ -60,7 +61,7 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
     if enclosed_negative(system, targets):
         held = int(np.count_nonzero(~np.isin(np.unique(system.faces), system.columns)))
         return f"a region of negative K needs some free edge, and all {held} vertices of its edge are held; let a side of it go free"
-    negative = system.rows[targets[system.rows] < 0]
+    negative = system.rows[types_of(targets[system.rows]) < 0]
     lost = three_faced(system.faces, negative) if len(negative) else negative
     if len(lost):
         return no_saddle(lost)
@@ -118,7 +119,7 @@ def found(targets: list[float], regions: list[int], goals: int) -> str:
 
 def enclosed_negative(system: System, targets: FloatArray) -> bool:
     """Return whether a region of negative K̄ has fixed vertices all around it."""
-    negative = system.rows[targets[system.rows] < 0]
+    negative = system.rows[types_of(targets[system.rows]) < 0]
     if not len(negative):
         return False
     F, n = system.faces, len(targets)

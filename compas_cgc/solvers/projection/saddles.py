@@ -18,6 +18,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Vertices
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import space_form_angle_sums
+from ...model.laws import types_of
 from ..constants import WORTHWHILE
 from .gauss_newton import FINISH
 from .gauss_newton import FULFILLED
@@ -41,7 +42,7 @@ HALVINGS = 40
 def descend_over_saddles(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
     """Take steps from a start to rounding; where they creep at vertices of K̄ < 0, fold these and go on."""
     alone = system.places.trivial and len(start.residual) == len(system.rows)
-    if not alone or not (equations.targets[system.rows] < 0.0).any():
+    if not alone or not (types_of(equations.targets[system.rows]) < 0).any():
         yield from descend_to_rounding(system, equations, start)
         return
     here, rests = start, [start.merit]
@@ -70,7 +71,7 @@ def descend_over_saddles(system: System, equations: CurvatureEquations, start: P
 def _folded(system: System, equations: CurvatureEquations, point: Point) -> Optional[Vertices]:
     """Return the shape (n, 3) with the stars of stuck vertices folded, those of the largest residual first; None where none is."""
     faces, rows, targets = system.faces, system.rows, equations.targets
-    stuck = (targets[rows] < 0.0) & (point.residual > STUCK * np.abs(point.residual).max(initial=0.0))
+    stuck = (types_of(targets[rows]) < 0) & (point.residual > STUCK * np.abs(point.residual).max(initial=0.0))
     order = np.flatnonzero(stuck)[np.argsort(-point.residual[stuck], kind="stable")]
     free = np.zeros(len(point.vertices), bool)
     free[system.columns] = True

@@ -18,6 +18,7 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import sliding_ease
 from ...linalg import SingularMatrixError
 from ...linalg import factorise
+from ...model.laws import types_of
 from ..constants import WORTHWHILE
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
@@ -33,7 +34,7 @@ LAST = 3  # steps to rounding
 
 def can_slide(system: System, equations: CurvatureEquations) -> bool:
     """Return whether K < 0 is asked for, and nothing else."""
-    return system.asks_for_k_alone and bool((equations.targets[system.rows] < 0.0).any())
+    return system.asks_for_k_alone and bool((types_of(equations.targets[system.rows]) < 0).any())
 
 
 def turns_triangles_over(system: System, equations: CurvatureEquations, vertices: FloatArray) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
+from ...model.laws import types_of
 from ...model.tolerances import DRAWING_ACCURACY
 from ...model.tolerances import NEGLIGIBLE
 from ...model.verdict import verdict
@@ -186,7 +187,7 @@ def _told(rested: Optional[Reached]) -> Iterator[Taken]:
 
 def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -> bool:
     """Return whether steps by angle defects would wrinkle a start, as on irregular meshes where K̄ <= 0."""
-    if not _is_told_by_fits(system, equations) or not (equations.targets[system.rows] <= 0.0).any():
+    if not _is_told_by_fits(system, equations) or not (types_of(equations.targets[system.rows]) <= 0).any():
         return False
     return shows_layout(system, equations, first.vertices)
 
