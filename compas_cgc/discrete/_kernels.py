@@ -15,9 +15,11 @@ from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
 
-MIXED, VORONOI, BARYCENTRIC = 0, 1, 2
+MIXED = 0  # label of mixed cells; by definition
+VORONOI = 1  # label of Voronoi cells; by definition
+BARYCENTRIC = 2  # label of barycentric cells; by definition
 AS_IT_IS: IntArray = np.zeros(0, np.int64)  # in place of the corners with obtuse angles: those that the shape has
-ACUTE = -1  # of a face, instead of the corner with the obtuse angle
+ACUTE = -1  # label of a face without an obtuse angle, instead of the corner of this angle; by definition
 
 
 @kernel(inner=True)

@@ -12,7 +12,8 @@ from .arrays import Mask
 
 __all__ = ["CENTRED", "Polynomials", "least_squares", "substituted"]
 
-CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
+# squared distance added in the weights of points relative to the farthest; nearby points count 6 times as much as the farthest
+CENTRED = 0.2
 
 
 class Polynomials(NamedTuple):

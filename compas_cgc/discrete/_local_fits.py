@@ -24,11 +24,11 @@ from .arrays import Vectors
 from .arrays import Vertices
 
 TERMS = np.array([0, 2, 5, 9, 14])  # number of terms of a polynomial of each degree, without the constant
-MIN_OVERSAMPLING = 1.25  # points per term below which the degree is lowered
-CHUNK_SIZE = 300  # vertices fitted at once; their data fits into the cache
-PART_SIZE = 50_000  # vertices whose rings are in memory at once
+MIN_OVERSAMPLING = 1.25  # points per term below which the degree is lowered; interpolation without surplus follows the noise
+CHUNK_SIZE = 300  # vertices that are fitted at once; their data fits into the cache
+PART_SIZE = 50_000  # vertices whose rings are in memory at once; bounds the memory
 TENSOR_WEIGHTS = np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # xx, yy, zz, yz, zx, xy: the norm is that of the matrix
-COLUMNS = 12  # of `fit_columns`; the last six are those of `LocalFits.bending`
+COLUMNS = 12  # columns of `fit_columns`; the last six are those of `LocalFits.bending`
 
 
 class Rings(NamedTuple):

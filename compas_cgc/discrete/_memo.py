@@ -22,12 +22,11 @@ from scipy import sparse
 
 __all__ = ["remembered", "remembering"]
 
-MAX_BYTES = (
-    2_000_000  # bytes of arguments above which a result is kept during a solve only: a mesh of 20,000 vertices with roles and creases
-)
-TOTAL = 2  # bytes of the arguments of all results kept for a function, against those of one
-MAX_RESULTS = 8  # results kept for each function
-MAX_SOLVE_BYTES = 20_000_000  # bytes of arguments above which nothing is kept during a solve either, to save memory
+# arguments above which a result is kept during a solve only [bytes]; a mesh of 20,000 vertices with roles and creases
+MAX_BYTES = 2_000_000
+TOTAL = 2  # bytes of the arguments of all results kept for a function over MAX_BYTES; a large mesh and its predecessor
+MAX_RESULTS = 8  # results kept for each function; the meshes of a search and its coarser one
+MAX_SOLVE_BYTES = 20_000_000  # arguments above which nothing is kept during a solve either [bytes]; saves memory
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -10,7 +10,7 @@ from .arrays import FloatArray
 from .arrays import IntArray
 from .arrays import Mask
 
-MOST = 400  # maximum number of vertices in the rings of one fit
+MOST = 400  # vertices in the rings of one fit; a fan with more is a pole, where a part of the ring suffices
 
 
 def around(F: Faces, n: int) -> tuple[IntArray, IntArray]:

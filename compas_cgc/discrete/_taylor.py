@@ -16,8 +16,9 @@ from .arrays import IntArray
 
 __all__ = ["BLOCK", "FIRST", "SECOND", "Expressions", "evaluate"]
 
-FIRST, SECOND = 4, 10  # numbers of a row, up to first and up to second derivatives
-BLOCK = 32  # elements that are evaluated together: their loops are vectorised, and all rows stay in the processor's cache
+FIRST = 4  # numbers of a row up to first derivatives; a value and three derivatives
+SECOND = 10  # numbers of a row up to second derivatives; six more
+BLOCK = 32  # elements that are evaluated together; their loops are vectorised, and all rows stay in the processor's cache
 PRODUCT, PLUS, MINUS, TIMES, PLUS_TIMES, ROOT, INVERSE, ANGLE = range(8)
 PAIRS = np.array([(x, y) for x in range(1, FIRST) for y in range(x, FIRST)])  # of the first derivatives in each second one
 

@@ -24,12 +24,13 @@ from .normals import vertex_normals
 
 __all__ = ["FitOperators", "fit_operators", "second_derivatives"]
 
-DEGREE, RINGS = 3, 2
-MIN_DEGREE = 2  # lowest degree with curvature
-MIN_SURPLUS = 2  # points beyond the number of terms, so that there is a residual
-MAX_CONDITION = 1e14  # condition number above which a pseudoinverse is used
-CHUNK = 2000
-RECENT = 2  # meshes whose rings and sparsity are kept: those of 3,000 vertices take some 20 MB
+DEGREE = 3  # degree of the polynomials; the lowest for which the error of the curvature is of second order
+RINGS = 2  # rings of a fit; 18 neighbours on regular meshes, for nine terms
+MIN_DEGREE = 2  # lowest degree; the lowest with curvature
+MIN_SURPLUS = 2  # points beyond the number of terms; so that there is a residual
+MAX_CONDITION = 1e14  # condition number above which a pseudoinverse is used; no digit of the inverse is left at 4.5e15
+CHUNK = 2000  # vertices whose rings are found at once; bounds the memory
+RECENT = 2  # meshes whose rings and sparsity are kept; those of 3,000 vertices take some 20 MB
 
 
 class FitOperators(NamedTuple):

@@ -26,7 +26,7 @@ from .topology import boundary_mask
 
 __all__ = ["CurvatureEquations"]
 
-RIGHT = 0.05  # negative cosine of an angle, from which its cell is that of an obtuse one whatever the shape
+RIGHT = 0.05  # negative cosine of an angle from which its cell stays that of an obtuse one; 3° from a right angle, where cells have a kink
 
 Equations = TypeVar("Equations", bound="CurvatureEquations")
 

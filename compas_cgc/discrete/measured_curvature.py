@@ -22,12 +22,14 @@ from .topology import edge_faces
 
 __all__ = ["LEAST_FACES", "MeasuredCurvature", "even_angles", "linear_residuals", "measured_curvature"]
 
-LEAST_FACES = 4  # of a patch: a linear function passes through three
-JUMPS = 1e-2  # weight of jumps across edges, which decide where no patch does, as at a corner with a single triangle
-BENDING = 1e-9  # weight of bending, which decides for a triangle without neighbours alone
-PRECISION, MAX_ROUNDS = 1e-12, 500  # of conjugate gradients: residual against the right side, in the scaled norm
-RECENT = 2  # surfaces whose curvature is remembered
-DEGENERATE = 1e-9  # area of a triangle, against the mean, below which it has no normal and is left out
+LEAST_FACES = 4  # faces of a patch; a linear function passes through three
+JUMPS = 1e-2  # weight of jumps across edges; they decide where no patch does, as at a corner with a single triangle
+BENDING = 1e-9  # weight of bending; it decides for a triangle without neighbours alone
+PRECISION = 1e-12  # residual of conjugate gradients relative to the right side, in the scaled norm; 4,500 rounding errors
+MAX_ROUNDS = 500  # rounds of conjugate gradients [rounds]; bounds the time on meshes with slivers
+RECENT = 2  # surfaces whose curvature is remembered; verdict, laws and colours read the same surface
+# area of a triangle relative to the mean below which it has no normal and is left out; half of the digits of its normal are lost
+DEGENERATE = 1e-9
 
 
 class MeasuredCurvature(NamedTuple):

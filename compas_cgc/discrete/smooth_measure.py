@@ -17,13 +17,15 @@ from .topology import closed_vertices
 
 __all__ = ["is_irregular", "is_regular", "layout_errors", "layout_errors_and_slopes"]
 
-DEGREE, RINGS = 4, 3  # of the polynomials
-REGULAR_PART = 0.9  # part of vertices with six neighbours from which a mesh is regular
-RESIDUAL_RANGE = 0.2, 0.4  # residual over sagitta of a fit: full weight up to the first, none from the second
-CURVATURE_RANGE = 3.0, 6.0  # squared curvature relative to the median: likewise
-DEVELOPABLE_RATIO = 0.1  # ratio of the principal curvatures at which a surface counts as developable
-VISIBLE_MEDIAN = 0.03  # median truncation error relative to the largest |K̄| above which wrinkles are visible
-VISIBLE_MEAN = 0.01  # the same for the mean, if K̄ > 0: on spheres the error is large at a few vertices only
+DEGREE = 4  # degree of the polynomials; the lowest for which the layout error of second derivatives vanishes under refinement
+RINGS = 3  # rings of a fit; 36 neighbours on regular meshes, for fourteen terms
+REGULAR_PART = 0.9  # fraction of vertices with six neighbours from which a mesh is regular; meshes of `from_outline` have 0.91 to 0.94
+RESIDUAL_RANGE = 0.2, 0.4  # residual over sagitta of a fit with full weight and with none; the limits of waviness of the verdict
+CURVATURE_RANGE = 3.0, 6.0  # squared curvature relative to the median with full weight and with none; fits at outliers are not trusted
+DEVELOPABLE_RATIO = 0.1  # ratio of the principal curvatures at which a surface counts as developable; TARGET_FLOOR of the verdict
+# median layout error relative to the largest |K̄| above which wrinkles are visible; half of the error that the verdict admits
+VISIBLE_MEDIAN = 0.03
+VISIBLE_MEAN = 0.01  # the same for the mean, if K̄ > 0; on spheres the error is large at a few vertices only
 
 
 def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatArray:

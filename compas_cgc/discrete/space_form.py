@@ -28,7 +28,8 @@ from .normals import vertex_normals
 __all__ = ["EXACT", "SpaceFormEquations", "circumradii", "exact_equations", "sliding_ease", "space_form_angle_sums"]
 
 EXACT = ("exact", "exact-arc")
-NORMAL_COST = 0.5  # cost of a normal move relative to a tangential one with the same change of angles on a saddle
+# cost of a normal move relative to a tangential one with the same change of angles on a saddle; moves in the surface stay invisible
+NORMAL_COST = 0.5
 
 
 def space_form_angle_sums(vertices: ArrayLike, faces: ArrayLike, K: ArrayLike, arc: bool = False) -> PerVertex:

@@ -15,9 +15,12 @@ from .roles import FIXED
 
 __all__ = ["DEEP", "branch_points", "depth"]
 
-DEEP = 3  # edges from supports, free edges and creases beyond which a fit has neighbours on all sides
-FLAT_RATIO = 0.5  # ratio of the fitted K to a target K̄ < 0; a vertex with a larger ratio is no flat spot
-LEVEL_RATIO = 0.05  # height of a support over the mean plane, relative to the largest; a lower one counts as level
+# distance from supports, free edges and creases beyond which a fit has neighbours on all sides [edges]; one more than the two rings of
+# the fit
+DEEP = 3
+# ratio of the fitted K to a target K̄ < 0, below which a vertex is a flat spot; K is 0 at a branch point, and half of K̄ beside it
+FLAT_RATIO = 0.5
+LEVEL_RATIO = 0.05  # height of a support over the mean plane relative to the largest, below which it is level; a twentieth makes no valley
 
 
 def branch_points(problem: CGCProblem, fits: LocalFits) -> IntArray:

@@ -26,11 +26,13 @@ from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["two_sided_supports"]
 
-MAX_SUPPORTS_TRIPLES = 14  # a region with more supports is checked for collinear supports only
-MAX_SUPPORTS_PAIRS = 60  # a region with more supports is not checked
-MIN_BARYCENTRIC = 1e-3  # smallest barycentric coordinate of a point inside a triangle
-STRAIGHT_COSINE = 1e-14  # 1 - cosine of the turn between edges of a straight side
-SAMPLES = 8  # segments of a line that is tested for lying in the region
+# supports of a region beyond which collinear ones only are checked; the number of triples grows with the third power
+MAX_SUPPORTS_TRIPLES = 14
+MAX_SUPPORTS_PAIRS = 60  # supports of a region beyond which none are checked; 1,770 pairs
+# smallest barycentric coordinate of a point inside a triangle; points nearer to its sides are on them within drawing accuracy
+MIN_BARYCENTRIC = 1e-3
+STRAIGHT_COSINE = 1e-14  # 1 - cosine of the turn between edges of a straight side; 45 rounding errors, a turn of 1.4e-7
+SAMPLES = 8  # segments of a line that is tested for lying in the region; leaves gaps narrower than an eighth of it undetected
 
 
 class _Between(NamedTuple):

@@ -43,11 +43,13 @@ from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
-GENTLE_TOTAL_CURVATURE = 0.5  # total curvature of a region for the suggested target [rad]
-# Total curvature K A of a region beyond which K is probably in other units, whose factor is 1e6 for mm and m, and 1,550 for inches and m:
-# a fold of an angle of .3 degrees, and 8 whole spheres.
-MIN_TOTAL_CURVATURE, MAX_TOTAL_CURVATURE = 3e-5, 1e2
-NEEDLE_ANGLE = 10.0  # degrees; where K̄ < 0 a triangle with a smaller angle is reported
+# total curvature of a region for the suggested target [rad]; normals of a cap turn by 46° across it, which every plan can have
+GENTLE_TOTAL_CURVATURE = 0.5
+# total curvature K A of a region below which K is probably in other units [rad]; a fold of 0.3°; the factor is 1e6 for mm and m
+MIN_TOTAL_CURVATURE = 3e-5
+MAX_TOTAL_CURVATURE = 1e2  # the same above which K is probably in other units [rad]; 8 whole spheres; the factor is 1,550 for inches and m
+# angle of a triangle below which it is reported where K̄ < 0 [degrees]; three times the angle that the verdict calls a needle
+NEEDLE_ANGLE = 10.0
 
 
 @names_what_was_meant()

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 __all__ = ["counted", "listed"]
 
-MAX_LISTED = 20  # names in a sentence
+MAX_LISTED = 20  # names in a sentence; longer sentences are not read
 
 
 def counted(number: int, what: str) -> str:

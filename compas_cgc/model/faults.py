@@ -20,10 +20,11 @@ from .roles import CREASE
 
 __all__ = ["Fault", "fault"]
 
-JUMP = 0.25  # change of the second fundamental form over one edge, relative to the sum at both ends, that counts as a jump
-JUMP_OVER_MEDIAN = 10.0  # the same relative to the median change: on a coarse mesh all changes are large
-EDGES_FROM_RIM = 3  # edges from supports and free edges; nearer to them the exact surface may be singular
-MIN_VERTICES = 4  # connected vertices; fewer are a point such as the centre of a monkey saddle, where the bending has to turn
+# change of the second fundamental form over one edge relative to the sum at both ends, that is a jump; a mirrored surface changes by 1
+JUMP = 0.25
+JUMP_OVER_MEDIAN = 10.0  # the same relative to the median change; on a coarse mesh all changes are large
+EDGES_FROM_RIM = 3  # distance from supports and free edges [edges]; nearer to them the exact surface may be singular
+MIN_VERTICES = 4  # connected vertices of a fault; fewer are a point such as the centre of a monkey saddle, where the bending has to turn
 MIN_REACH = 0.25  # extent of a fault relative to the surface; on saddles shorter ones start at every crossing of creases
 
 

@@ -28,7 +28,8 @@ __all__ = [
     "wrong_problem",
 ]
 
-MAX_LENGTH_RATIO = 20.0  # of a length and the surface that it divides, beyond which it is probably in other units: 1000 for mm and m
+# length over the size of the surface above which it is probably in other units; 1,000 for mm and m, 39 for inches and m
+MAX_LENGTH_RATIO = 20.0
 NEAREST = "mesh.vertices_near(points) returns the keys of the vertices nearest to given points"
 
 

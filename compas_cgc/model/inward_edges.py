@@ -21,10 +21,14 @@ from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["dividing_creases", "inward_edges"]
 
-MIN_TURN = np.radians(2.0)  # least turn to the right, with the surface on the left
-MIN_CORNER, MAX_BEND = np.radians(20.0), np.radians(1.0)  # least turn of a corner between straight parts, and largest bend within these
-MAX_CORNERS = 64  # number of the sharpest vertices of a region that are checked
-DIRECTIONS = (0.5, 0.25, 0.75)  # directions of lines through a vertex, as weights of the two sides that meet there
+# smallest turn to the right, with the surface on the left [rad]; polylines through drawn curves turn by less on straight parts
+MIN_TURN = np.radians(2.0)
+# smallest turn of a corner between straight parts [rad]; a circle of 18 edges turns by as much at each vertex
+MIN_CORNER = np.radians(20.0)
+MAX_BEND = np.radians(1.0)  # largest bend within these parts [rad]; drawn lines are straighter
+MAX_CORNERS = 64  # sharpest vertices of a region that are checked; bounds the time on edges that turn inwards everywhere
+# directions of lines through a vertex, as weights of the two sides that meet there; the bisector first, then quarters
+DIRECTIONS = (0.5, 0.25, 0.75)
 
 
 _Crease = list[list[float]]  # both ends in plan [L]

@@ -13,8 +13,8 @@ from .units import UNIT_SYMBOLS
 
 __all__ = ["length_text", "place_text", "unit_suffix"]
 
-DIGITS = 4
-LARGEST_PLAIN = 1e15  # value from which lengths are written with an exponent
+DIGITS = 4  # significant digits of lengths; a millimetre in ten metres
+LARGEST_PLAIN = 1e15  # value from which lengths have an exponent; above 2**53 digits are not exact
 
 
 def unit_suffix(name: Optional[str]) -> str:

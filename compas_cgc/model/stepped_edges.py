@@ -13,8 +13,10 @@ from .roles import FIXED
 
 __all__ = ["stepped_edges"]
 
-MIN_TURN = np.radians(30.0)  # least turn of the boundary at both ends of a step
-MIN_PLANE_ANGLE = np.radians(45.0)  # least angle between the planes of these turns
+# smallest turn of the boundary at both ends of a step [rad]; drawn steps turn by 45° and more, slopes by less than 20°
+MIN_TURN = np.radians(30.0)
+# smallest angle between the planes of these turns [rad]; half of the right angle of a step in elevation to a corner in plan
+MIN_PLANE_ANGLE = np.radians(45.0)
 
 
 def stepped_edges(problem: CGCProblem) -> list[str]:

@@ -13,14 +13,14 @@ from ..discrete.corners import corner_angles
 from ..errors import Remedy
 from ..errors import Sentence
 from ..meshing import boundary_loops
+from .inward_edges import MIN_CORNER
 from .problem import CGCProblem
 from .roles import FIXED
 from .tolerances import DRAWING_ACCURACY
 
 __all__ = ["twisted_edges"]
 
-MIN_CORNER_SINE = np.sin(np.radians(20.0))  # least sine of the turn at a corner
-MIN_TWIST_ERROR = np.radians(8.0)  # difference of twists above which corners visibly fold
+MIN_TWIST_ERROR = np.radians(8.0)  # difference of twists above which corners fold [rad]; visible as VISIBLE_KINK of the verdict
 
 
 class _Side(NamedTuple):
@@ -73,7 +73,7 @@ def _sides(problem: CGCProblem, loop: IntArray) -> list[_Side]:
     before = np.roll(unit, 1, axis=0)
     turn = np.linalg.norm(np.cross(before, unit), axis=1)
     on = held[loop] & held[np.roll(loop, -1)]
-    corner = (turn > MIN_CORNER_SINE) & on & np.roll(on, 1) & ~np.isin(loop, problem.creases)
+    corner = (turn > np.sin(MIN_CORNER)) & on & np.roll(on, 1) & ~np.isin(loop, problem.creases)
     found = []
     for first in np.flatnonzero(corner).tolist():
         last, total = first, 0.0

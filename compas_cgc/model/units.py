@@ -14,10 +14,10 @@ from ..errors import CGCError
 
 __all__ = ["LONGEST_TEXT", "METRES", "UNIT_SYMBOLS", "GivenLength", "Length", "length_of", "millimetres_of", "within"]
 
-# Length of one drawing unit in metres.
+# length of one drawing unit in metres [m]; by definition
 METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Kilometers": 1e3, "Inches": 0.0254, "Feet": 0.3048, "Yards": 0.9144}
 UNIT_SYMBOLS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
-LONGEST_TEXT = 60  # characters of a length
+LONGEST_TEXT = 60  # characters of a length; longer texts are no lengths, and would slow down the regular expression
 _SUFFIXES = {symbol: METRES[name] for name, symbol in UNIT_SYMBOLS.items()}
 
 

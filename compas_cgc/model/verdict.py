@@ -41,25 +41,34 @@ from .visible import points
 
 __all__ = ["Verdict", "verdict"]
 
-MAX_MEDIAN_ERROR, MAX_ERROR_90 = 0.05, 0.3  # relative error of the fitted K on a fair surface: median and 90th percentile by area
-FINE_DEGREE, FINE_RINGS = 4, 3  # degree and rings of the second fits, used where cubic fits over two rings have large errors
-FIT_ERROR_FACTOR = 0.6  # relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)^2
-MAX_FIT_SQUARE = 0.25  # upper bound of that square: fits over a larger part of the sphere get no further allowance
-TARGET_FLOOR = 0.1  # smallest reference for relative errors, relative to the largest target
-INVISIBLE_SAG = 1e-3  # sagitta of an arc across a surface, relative to its size, below which its curvature is invisible
-FLAT_SHEET = 1e-3  # curvature relative to the largest target, below which a sheet is flat and has no side
-MAX_WAVINESS_75, MAX_WAVINESS_95 = 0.2, 0.4  # residual of the fits over their sagitta on a fair surface: 75th and 95th percentiles by area
-SAGITTA_FLOOR = 0.3  # smallest reference for residuals, relative to the median sagitta
-RADIUS_FLOOR = 0.01  # the same relative to the radius of the fit: smaller waves are invisible
-MAX_OTHER_SIDE = 0.05  # largest share of the area with K > 0 that may bulge to the other side
-FOLD_RATIO = 1.6  # a fold is too sharp above this multiple of the largest fold of a smooth surface through the vertices
-INVISIBLE_FOLD = np.radians(3.0)  # smaller folds are invisible
-VISIBLE_KINK = np.radians(8.0)  # excess of a single fold over FOLD_RATIO times that of a smooth surface that is visible
-MAX_SHARP_SHARE = 0.02  # largest share of edges that may fold too sharply
-NEEDLE_ANGLE = 3.0  # degrees; a smaller angle of a triangle that had at least twice this angle before counts as a needle
-MIN_AREA_KEPT = 0.6  # smallest share of the area of the input in plan that has to remain
-FIT_ERROR_NEAR_SUPPORTS = {3: 0.0, 2: 0.2, 1: 0.35}  # further relative error of fits by distance from supports in edges
-MIN_SAMPLES = 12  # least number of vertices for percentiles
+MAX_MEDIAN_ERROR = 0.05  # median relative error of the fitted K on a fair surface; fair surfaces of docs/fairness.md have 0.4 to 2.6 %
+MAX_ERROR_90 = 0.3  # 90th percentile of the same; fits beside rims and slivers err more than in the middle
+FINE_DEGREE = 4  # degree of the second fits; cubic fits deviate by 10 to 30 % on exact pseudospheres with triangles of 3 : 1
+FINE_RINGS = 3  # rings of the second fits; two rings have too few points for fourteen terms
+# relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)²; exact to the leading term on spheres
+FIT_ERROR_FACTOR = 0.6
+MAX_FIT_SQUARE = 0.25  # largest value of that square; fits over a larger part of the sphere get no further allowance
+# smallest reference for relative errors, relative to the largest target; regions of a tenth of it look flat beside the others
+TARGET_FLOOR = 0.1
+INVISIBLE_SAG = 1e-3  # sagitta of an arc across a surface relative to its size, below which its curvature is invisible; 15 mm on 15 m
+FLAT_SHEET = 1e-3  # curvature relative to the largest target, below which a sheet is flat and has no side; its sagitta is as much smaller
+MAX_WAVINESS_75 = 0.2  # 75th percentile of the residual of fits over their sagitta on a fair surface; a fifth of the rise is seen as a wave
+MAX_WAVINESS_95 = 0.4  # 95th percentile of the same; twice as much at single places
+SAGITTA_FLOOR = 0.3  # smallest reference for these residuals relative to the median sagitta; flat spots have no sagitta of their own
+RADIUS_FLOOR = 0.01  # smallest reference for these residuals relative to the radius of the fit; smaller waves are invisible
+MAX_OTHER_SIDE = 0.05  # largest share of the area with K > 0 that may bulge to the other side; single vertices of coarse meshes may
+# fold over the largest fold of a smooth surface through the vertices, above which it is too sharp; irregular triangles fold unevenly
+FOLD_RATIO = 1.6
+INVISIBLE_FOLD = np.radians(3.0)  # fold that is too small to be seen [rad]; reflections hardly show folds that small
+# excess of a single fold over FOLD_RATIO times that of a smooth surface, that is visible [rad]; one displaced vertex causes more
+VISIBLE_KINK = np.radians(8.0)
+MAX_SHARP_SHARE = 0.02  # largest share of edges that may fold too sharply; edges at single irregular vertices may
+# angle of a needle [degrees]; normals of triangles with smaller angles are inaccurate, drawings keep theirs if they are not halved
+NEEDLE_ANGLE = 3.0
+MIN_AREA_KEPT = 0.6  # smallest share of the area of the input in plan that remains; surfaces that lose more have left their plan
+# further relative error of fits by distance from supports in edges; fits nearer to supports are one-sided
+FIT_ERROR_NEAR_SUPPORTS = {3: 0.0, 2: 0.2, 1: 0.35}
+MIN_SAMPLES = 12  # smallest number of vertices for percentiles; the 90th percentile of fewer is the maximum
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,13 @@ from .roles import FIXED
 
 __all__ = ["PLAN_SHARE", "Points", "dip", "on_held_edges", "points"]
 
-VISIBLE = np.radians(9.0)  # turn of the surface across a point, as across the tip of a cone, that is visible
-HALF = 0.5  # relative error of K at a single vertex from which the surface has another K there
-NEAR = 2  # edges from a support within which the exact surface may be singular
-PLAN_SHARE = 0.25  # of the area of a surface, from which its plan is one to bulge over; less for closed surfaces and tubes
-DEEP = 0.1  # depth of a dip against the height of the surface over its supports
-APEX = 1e3  # height of a point over supports whose lower hull is sought, against their extent
+VISIBLE = np.radians(9.0)  # turn of the surface across a point that is visible [rad]; that across the tip of a cone whose defect is 0.02
+HALF = 0.5  # relative error of K at a vertex above which the surface has another K there; the discretisation errs less on coarse meshes
+NEAR = 2  # distance from a support within which the exact surface may be singular [edges]; curvature at a vertex reads two rings
+# length of the mean normal over the area, above which a surface has a plan to bulge over; closed surfaces and tubes have 0
+PLAN_SHARE = 0.25
+DEEP = 0.1  # depth of a dip relative to the height of the surface over its supports; a tenth is visible in elevation
+APEX = 1e3  # height of the point over supports whose lower hull is sought, relative to their extent; so high that no lower face meets it
 
 
 class Points(NamedTuple):

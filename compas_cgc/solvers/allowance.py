@@ -16,11 +16,11 @@ from .settings import Settings
 
 __all__ = ["FLOW_STEP", "Allowance"]
 
-# Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.3 s for 1,000 vertices.
-EACH, ALL = 16_500, 20_000
-SMALL = 400  # vertices, of which smaller meshes are taken to have as many: they are solved soon, and need as many steps
-REASONS = 2500  # more of them for a search for why there is none
-FLOW_STEP = 40  # that a step of the flow takes as long as
+EACH = 16_500  # work of one attempt [right sides]; a thousand take 0.3 s for 1,000 vertices, so an attempt ends after 5 s
+ALL = 20_000  # work of all attempts [right sides]; six seconds for 1,000 vertices, so that a second attempt remains after a long one
+SMALL = 400  # vertices that smaller meshes are counted as [vertices]; they need as many steps as larger ones, and each takes little time
+REASONS = 2500  # work reserved for a search for the reason of a failure [right sides]; less than a second for 1,000 vertices
+FLOW_STEP = 40  # work of a step of the flow [right sides]; estimate of the time, which affects the work limit only
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
 
 

@@ -49,9 +49,11 @@ from .settings import Settings
 
 __all__ = ["between_lines", "moves_of_lines"]
 
-PLACES = 16  # points of a line per edge of these triangles, among which their vertices are chosen, so that they are evenly spaced
-CORRECTIONS = 8  # of goals; the first leaves about a tenth of the residual
-WAYS = ((1.0, 1.0),), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))  # successive fractions of the fold length and of K̄
+# points of a line per edge of the even triangles; vertices of the triangles are chosen among them, and a sixteenth is invisible
+PLACES = 16
+CORRECTIONS = 8  # corrections of goals [steps]; each leaves about a tenth of the residual, so eight reach the rounding level
+# successive fractions of the fold length and of K̄; one search at full K̄, and one by continuation from stiffer creases with less K̄
+WAYS = ((1.0, 1.0),), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))
 
 
 def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:

@@ -35,10 +35,12 @@ from ..model.roles import INTERNAL
 
 __all__ = ["Coarse", "coarsened", "laid_out_anew", "plan_of"]
 
-UPRIGHT = 0.05  # area in plan of a face, against its own, from which a drawing has a plan
-LARGEST = 0.6  # of the vertices, that a coarser mesh may have
-LEAST = 1e-4  # extent of the faces in one direction, squared, against the other
-FEW = 12  # vertices of a constraint that are all kept
+# area of a face in plan over its own, above which a drawing has a plan; a face inclined by 87°, steeper ones collapse in plan
+UPRIGHT = 0.05
+LARGEST = 0.6  # vertices of a coarser mesh over those of the drawing; with more, the coarse solve takes as long as it saves
+LEAST = 1e-4  # square of the extent of faces in one direction over that in the other; limits the stretch of the plan to a factor of 100
+# vertices of a constraint that are all kept [vertices]; constraints of single points lose their points otherwise, those of lines do not
+FEW = 12
 
 
 class Coarse:

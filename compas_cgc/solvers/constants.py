@@ -6,6 +6,7 @@ The local frame has its origin at the centroid of the drawing and unit size.
 from __future__ import annotations
 
 __all__ = [
+    "ANGLE_ROUNDING",
     "ARMIJO",
     "COARSE_VERTICES",
     "CONVERGED",
@@ -13,6 +14,8 @@ __all__ = [
     "ELSEWHERE",
     "EVEN_VERTICES",
     "FACING",
+    "FACTORS",
+    "GROUND",
     "HUGE_MESH",
     "KRYLOV",
     "LARGE_MESH",
@@ -21,6 +24,7 @@ __all__ = [
     "LOOSE_RESIDUAL",
     "MAX_STEPS",
     "MULTIPLIER_MARGIN",
+    "PATIENCE",
     "ROUNDINGS",
     "RUNAWAY",
     "SHAPE_KEPT",
@@ -35,6 +39,7 @@ __all__ = [
 ]
 
 # Rounding and convergence
+ANGLE_ROUNDING = 5e-15  # rounding error of the sum of the angles of a ring [rad]; 22 rounding errors, for six angles and their sum of 2π
 LOCAL_ROUNDING = 1e-13  # residual or distance in the local frame at rounding level [L or rad]; 450 rounding errors of numbers near 1
 ROUNDINGS = 4.0  # multiple of the estimated rounding error up to which a residual is zero; the estimate omits errors of normals and areas
 CONVERGED = 1e-10  # relative residual or step of a converged iteration; the next Newton step, with its square, is at rounding level
@@ -42,6 +47,7 @@ TWIN_ENERGIES = 1e-3  # relative difference of the energies of mirror twins; irr
 
 # Steps
 MAX_STEPS = 30  # steps of a search [steps]; Newton's method and its relatives converge in 5 to 15 or not at all
+PATIENCE = 10  # steps in a row without sufficient gain that end a search [steps]; it may pass a vertex whose moves hardly change its angles
 LONGEST = 0.25  # longest move in a step relative to the size of the mesh; a quadratic model of a shape holds no farther
 SHORTEST = 1e-3  # fraction of a step below which a line search fails; ten halvings, after which the direction is not one of descent
 ARMIJO = 1e-4  # fraction of the predicted decrease of a residual that a step has to bring; Nocedal and Wright, section 3.1
@@ -59,7 +65,10 @@ KRYLOV = 60  # directions of GMRES between restarts; its systems differ by low r
 LOOSE_RESIDUAL = 1e-3  # relative residual of linear systems far from convergence; steps of Newton's method then miss by as little
 TIGHT_RESIDUAL = 1e-6  # relative residual of linear systems near convergence; preserves quadratic convergence to the last but one step
 
+FACTORS = 20  # work of a factorisation for moves along normals [right sides]; estimate of the time, which affects the work limit only
+
 # Drawings
+GROUND = 1e-10  # stiffness of motions that do not bend relative to that of bending; makes plates definite and moves heights by as little
 SIDE_SHARE = 0.05  # depth or volume of a drawing relative to those of a dome with its K, from which it decides the side; noise is smaller
 SMALLEST_FACE = 1e-6  # area of a face or cell relative to the mean below which it is a sliver; normals of slivers are rounding errors
 FACING = 0.5  # length of the mean normal over the area from which a drawing has a plan; a half sphere has 0.5

@@ -19,7 +19,7 @@ from .coarse import plan_of
 
 __all__ = ["evened"]
 
-GAIN = 2.0  # quotient of the smallest angles from which triangles are laid out anew
+GAIN = 2.0  # factor by which the smallest angle must grow for a new layout; a smaller gain is not worth the moves of all vertices
 
 
 def evened(problem: CGCProblem, surface: FloatArray) -> Optional[FloatArray]:

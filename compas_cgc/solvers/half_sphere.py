@@ -14,7 +14,8 @@ from ..model.result import Solution
 
 __all__ = ["cap_of_the_rise", "rounder_than_half_a_sphere", "with_half_a_sphere"]
 
-OTHER = 4.0  # quotient of K and that of a cap from where it is another
+# ratio of K to that of a cap with the drawn rise, beyond which units or rise are probably wrong; caps differ by less for any plan
+OTHER = 4.0
 
 
 def rounder_than_half_a_sphere(problem: CGCProblem) -> str:

@@ -19,7 +19,8 @@ from .rising import GROWTH
 
 __all__ = ["with_larger_cap"]
 
-UPRIGHT = math.sin(math.radians(10.0))  # mean cosine, at the rim of a drawing, of face normals to that of the rim
+# mean cosine of the face normals at the rim to the mean normal, below which a drawing is steep; 10° short of a half sphere
+UPRIGHT = math.sin(math.radians(10.0))
 ALSO = "result.branches has the larger surface over the same rim"
 
 

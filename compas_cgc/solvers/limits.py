@@ -28,10 +28,11 @@ from .rising import Rising
 
 __all__ = ["Limit", "largest_target", "raised"]
 
-FINE = 1200  # vertices above which the search begins on a coarser mesh of the same drawing
-PART = 2 / 3  # of so many, its vertices
-EACH = 16  # vertices for a region, with which a coarser mesh still tells how it bends
-SURELY = 1.15  # what was not carried, against what was, up to which no more is to be had
+FINE = 1200  # vertices above which the search begins on a coarser mesh [vertices]; a search takes up to 40 solves
+PART = 2 / 3  # vertices of the coarser mesh over FINE; leaves room for lines whose vertices are all kept
+EACH = 16  # vertices for each region of the coarser mesh [vertices]; 4 by 4, the fewest with vertices away from the edges of a region
+# smallest rejected factor over the largest accepted one, up to which no "or more" is added; a search for reasons ends within 10 %
+SURELY = 1.15
 
 
 @dataclass(frozen=True)

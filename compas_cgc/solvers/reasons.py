@@ -26,6 +26,7 @@ from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
 from ..model.stepped_edges import stepped_edges
 from ..model.straight_edges import twisted_edges
+from .constants import COARSE_VERTICES
 from .half_sphere import cap_of_the_rise
 from .limits import raised
 from .projection.plate import relaxed
@@ -33,11 +34,13 @@ from .projection.symmetry import tears_faces
 
 __all__ = ["DRAWN_IN", "contradiction", "why_not_found", "why_rough"]
 
-ROUGHLY, FEW, SMALL = 0.1, 16, 500  # tolerance, solves and vertices of a search for what could be carried
-SEARCH = 1.2e7  # right sides times unknowns that it may take on a coarser mesh, under two seconds
-OWN, WITH_GOALS = 6000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
-SMALLEST = 800  # vertices, of which smaller meshes are taken to have as many
-LARGE = 2000  # vertices of a problem with goals above which there is no such search
+ROUGHLY = 0.1  # relative accuracy of a limit in a message; two digits suffice for a designer, and each digit more takes three solves
+FEW = 16  # solves of a search for a limit; ten by GROWTH from a gentle surface to HIGH, three halvings to 10 %, and three for retries
+SMALL = 500  # vertices above which the search uses a coarser mesh [vertices]; a limit belongs to the supports and not to the mesh
+SEARCH = 1.2e7  # work of the search on the coarser mesh [right sides times unknowns]; under two seconds
+OWN = 6000.0  # work on the mesh itself [right sides]; two seconds for 1,000 vertices
+WITH_GOALS = 20000.0  # the same with goals [right sides]; solves with goals take more steps
+SMALLEST = 800  # vertices that smaller meshes are counted as [vertices]; a search on them takes as many solves, and little time
 DRAWN_IN = Sentence("with the method projection free edges may leave their drawn lines", [use_method("projection")])
 NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small part of K̄; ask for less of {}")
 
@@ -91,7 +94,7 @@ def _carried(problem: CGCProblem, nothing: Optional[str] = "", enough: str = "")
     """
     targets = problem.targets[problem.asked]
     known = len(targets) and np.isfinite(targets).all() and not unknown_regions(problem)
-    if not known or (problem.goals and len(problem.vertices) > LARGE):
+    if not known or (problem.goals and len(problem.vertices) > COARSE_VERTICES):
         return ""
     if not targets.any():
         return "" if problem.goals else _far_from_developable(problem)

@@ -26,11 +26,13 @@ from .projection.settings import ProjectionSettings
 
 __all__ = ["GROWTH", "Bracket", "Carried", "Rising"]
 
-LEAST = 1 / 64  # of that, below which there is none
-GROWTH = 1.5  # of the targets from one to the next
-FALL = 0.95  # of targets that were carried elsewhere, from one to the next
-HIGH = 8 * np.pi  # total curvature [rad] that is as good as any
-STEPS = 100  # for one solve
+LEAST = 1 / 64  # first factor over the smallest one that is tried; a surface that fails at a total curvature of 0.008 rad has another cause
+# factor from one target to the next; the height of a dome grows by a fifth, a step that the search follows from the last surface
+GROWTH = 1.5
+# factor between targets that are tried from the surfaces of a coarser mesh; differences of 5 % are within the accuracy of the search
+FALL = 0.95
+HIGH = 8 * np.pi  # total curvature that is never the limit [rad]; two whole spheres
+STEPS = 100  # step limit of one solve [steps]; a solve from a surface on the branch converges in far fewer
 
 
 class Carried(NamedTuple):

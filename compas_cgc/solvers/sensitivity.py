@@ -26,6 +26,7 @@ from ..errors import ProblemError
 from ..errors import names_what_was_meant
 from ..linalg import factorise
 from ..model.goals import measures
+from ..model.goals.binding import DIFFERENCE_STEP
 from ..model.goals.binding import bind
 from ..model.goals.binding import support_height
 from ..model.goals.binding import unknown_constants
@@ -48,9 +49,9 @@ __all__ = ["Sensitivity", "sensitivity"]
 
 # Of units that files name: a smaller one that designers speak of, and how many of it make one.
 _SMALLER = {"Meters": ("mm", 1e3), "Centimeters": ("mm", 10.0), "Millimeters": ("mm", 1.0), "Feet": ("in", 12.0), "Inches": ("in", 1.0)}
-NEARER = 3  # Newton's steps to the very fairest surface, near which a solve ends
-SMALL = 1e-5  # longest move, in the local frame, of a difference quotient of the layout's part
-REFINED, PRECISE = 4, 1e-7  # steps of GMRES for what the layout's part changes, its restarts, and the residual
+NEARER = 3  # Newton's steps to the exact minimum; a solve ends within 1e-7 of it, and two steps reach rounding level
+REFINED = 4  # restarts of GMRES; systems that are not solved after 240 directions have no reliable derivative
+PRECISE = 1e-7  # relative residual of GMRES; three digits more than the sensitivities are printed with
 
 Moves = Callable[[FloatArray], FloatArray]  # of the vertices (n, 3), to first order, by a change of K (k,)
 
@@ -328,6 +329,6 @@ def _layout_change(vertices: FloatArray, faces: IntArray, rows: IntArray, moves:
         return np.zeros(len(rows))
     asked = np.zeros(len(vertices), bool)
     asked[rows] = True
-    by = SMALL / longest
+    by = DIFFERENCE_STEP / longest
     ahead, behind = (layout_errors(vertices + sign * by * moves, faces, asked) for sign in (1.0, -1.0))
     return (ahead - behind)[rows] / (2.0 * by)

@@ -18,7 +18,7 @@ from ..errors import names_what_was_meant
 
 __all__ = ["AutoSettings", "Option", "Settings", "documented", "option"]
 
-LARGE = 1e12
+LARGE = 1e12  # largest integer that an option takes; larger ones are typing errors, and overflow in the solvers
 INFINITE = "infinite"
 
 

@@ -59,7 +59,7 @@ __all__ = [
 ]
 
 NO_EDGE = Sentence("{}: the mesh has no free edge; name the vertices of an edge, or remove the goal")
-DIFFERENCE_STEP = 1e-5  # step of a difference quotient in the local frame
+DIFFERENCE_STEP = 1e-5  # step of a difference quotient [L]; the cube root of the rounding error, which balances truncation and rounding
 
 
 class Equation(NamedTuple):

@@ -13,6 +13,7 @@ from ...errors import Remedy
 from ...errors import Sentence
 from ..constraints import Constraint
 from ..constraints import Height
+from ..given import MAX_LENGTH_RATIO
 from ..problem import CGCProblem
 from ..roles import FIXED
 from ..tolerances import NEGLIGIBLE
@@ -38,8 +39,7 @@ from .wholes import Volume
 
 __all__ = ["bound_problems", "goal_problems", "refuse_impossible"]
 
-MAX_LENGTH_RATIO = 50.0  # length over the size of the mesh above which it is probably in other units
-MIN_RISE_RATIO = 5e-4  # rise over the size of the mesh below which it is probably in other units
+MIN_RISE_RATIO = 5e-4  # rise over the size of the mesh below which it is probably in other units; 1/1,000 for m and mm, halved
 
 
 def refuse_impossible(problem: CGCProblem) -> None:

@@ -27,8 +27,8 @@ from .wholes import Volume
 
 __all__ = ["allowed", "drawn_constant", "factors", "guessed"]
 
-LOW_RISE = 0.1  # rise over radius of a cap whose goals give no height
-RISE_OVER_MEAN_HEIGHT = 1.6  # rise of a cap over its mean height (volume / plan area)
+LOW_RISE = 0.1  # rise over radius of a cap whose goals give no height; gentle, so that every plan can have it
+RISE_OVER_MEAN_HEIGHT = 1.6  # rise of a cap over its mean height (volume over plan area); 2 for shallow caps, 1.5 for half spheres
 
 
 def guessed(problem: CGCProblem) -> CGCProblem:

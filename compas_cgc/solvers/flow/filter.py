@@ -17,8 +17,8 @@ from ...discrete.arrays import Vertices
 
 __all__ = ["GradientFilter"]
 
-SKIN = 0.2  # extra reach of the neighbour lists, as a part of the radius
-MOST_PAIRS = 60_000_000  # about one gigabyte of neighbour lists
+SKIN = 0.2  # additional radius of the neighbour lists over the filter radius; lists then hold for some steps, and are a third longer
+MOST_PAIRS = 60_000_000  # pairs of neighbours; they take about one gigabyte
 
 
 @kernel()

@@ -34,8 +34,9 @@ from .settings import FlowSettings
 
 __all__ = ["flow"]
 
-ASTRAY = 2.0  # a run that ends this many times farther from the target than it began has not been slow but lost
-EXPLOSION = 1e3  # curvature error, against the first one and the target, that tells of torn meshes
+ASTRAY = 2.0  # final error over the initial one, above which a run has diverged; a slow run ends below its initial error
+# error over the initial one or the target, above which a run has diverged; torn meshes have triangles without area and unbounded K
+EXPLOSION = 1e3
 
 
 @names_what_was_meant()

@@ -12,16 +12,16 @@ from ...discrete.arrays import FloatArray
 from ...model.laws import types_of
 from ..constants import ARMIJO
 from ..constants import LOOSE_RESIDUAL
+from ..constants import PATIENCE
 from .system import Shape
 from .system import Step
 from .system import System
 
 __all__ = ["at_rounding", "damped_newton"]
 
-CRAWL = 0.25  # damping factor of a step that is short
-PATIENCE = 10  # short steps in a row that lead nowhere
-WORTHWHILE = 0.1  # factor on the residual that makes a step with old factors pay
-ROUNDING = 10.0  # residuals of so many rounding errors are zero
+CRAWL = 0.25  # damping factor of a short step; shorter ones gain less than a quarter of the residual
+WORTHWHILE = 0.1  # factor on the residual that a step with old factors has to bring; another one pays if it gains a digit
+ROUNDING = 10.0  # multiple of the estimated rounding error up to which a residual is zero; single errors add up over a ring
 
 
 def damped_newton(system: System, shape: Shape, tolerance: float, shortest: float) -> Generator[Step, None, bool]:

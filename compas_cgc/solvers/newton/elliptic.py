@@ -31,21 +31,22 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...discrete.laplacian import cotangent_stiffness
 from ...discrete.smoothed_normals import smooth_normals
+from ..constants import PATIENCE
 from .system import Shape
 from .system import Step
 from .system import System
 
 __all__ = ["Policy", "elliptic_steps", "policy"]
 
-NEAR_ENOUGH = 0.05  # error of F_Λ, against √K̄, from which Newton's method takes over
-TIGHTEN = 0.1  # error from which Λ is raised
-GROWTH = 3.0  # of Λ
-LARGEST = 1e6  # Λ
-FEW = 3e-3  # part of the vertices that may be left without √K when Newton's method takes over
-PATIENCE = 8  # steps without a gain after which none will come
-SMOOTHING = 5  # averages of the normals, which are the directions of the moves
-LOOSE = 0.3  # residual of the linear systems of large meshes, of which a step undoes a few tenths only
-NOISE = 1e-3  # curvature, against √K̄, that says nothing
+# error of F_Λ relative to √K̄ from which Newton's method takes over; K is then off by a tenth, far less than WITHIN_REACH
+NEAR_ENOUGH = 0.05
+TIGHTEN = 0.1  # error relative to √K̄ from which Λ is raised; smaller errors than that of Λ itself bring nothing
+GROWTH = 3.0  # factor on Λ; a larger one costs more steps for each Λ, a smaller one more values of Λ
+LARGEST = 1e6  # largest Λ; principal curvatures differ by less than a factor of 1e12 on every shape
+FEW = 3e-3  # fraction of vertices that may lack √K when Newton's method takes over; at corners of a rim no shape has it
+SMOOTHING = 5  # averages of the normals that give directions of moves; removes kinks of the normals at the rim
+LOOSE = 0.3  # relative residual of the linear systems of large meshes; a step of policy iteration leaves a few tenths of the error anyway
+NOISE = 1e-3  # curvature relative to √K̄ below which a vertex is flat; principal directions of less are noise
 
 
 class Policy(NamedTuple):

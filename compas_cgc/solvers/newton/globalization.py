@@ -25,8 +25,8 @@ from .system import System
 
 __all__ = ["Outcome", "exact_steps", "is_near", "steps_of"]
 
-BOUNDS = (1.0, 10.0, 100.0)  # factors on Λ of one elliptic start after the other
-SAME = 1e-3  # distance, against the diagonal, of a start that is no other start
+BOUNDS = (1.0, 10.0, 100.0)  # factors on Λ of successive starts; three decades between a well-posed and an exact operator
+SAME = 1e-3  # distance relative to the diagonal up to which two starts are the same; Newton's method leads to the same surface from both
 
 Outcome = tuple[str, Union[str, Overload]]  # status, and what was noticed where it is not "converged"
 

@@ -22,8 +22,8 @@ from .system import System
 
 __all__ = ["Sought", "steps_to_goal"]
 
-LARGEST = 0.5  # change of K in a step, as a part of it
-GUESSES = 6  # for K, each half of the one before: the cap of a high rise over a disk has more than narrower plans carry
+LARGEST = 0.5  # largest relative change of K in a step; keeps the sign of K
+GUESSES = 6  # halvings of the guessed K; the cap over a disk has a larger K than narrower plans can have, up to 64 times
 
 Sought = tuple[str, str, System]  # status, what was noticed, and the system with the K that was found
 

@@ -11,12 +11,11 @@ from ...discrete.space_form import space_form_angle_sums
 from ...linalg import SingularMatrixError
 from ...model.frame import Frame
 from ...model.problem import CGCProblem
+from ..constants import ANGLE_ROUNDING
 from ..constants import WORTHWHILE
 from .system import System
 
 __all__ = ["model_errors", "polished"]
-
-ROUNDED = 5e-15  # residual that rounding the sum of a ring's angles alone explains [rad]
 
 
 def model_errors(problem: CGCProblem, vertices: FloatArray, measure: str = "defect") -> tuple[FloatArray, FloatArray]:
@@ -51,7 +50,7 @@ def polished(system: System, problem: CGCProblem, frame: Frame, vertices: FloatA
         Of K, which the system is for.
     """
     residual = model_errors(problem, vertices, measure)[0]
-    if np.abs(residual).max() <= ROUNDED:
+    if np.abs(residual).max() <= ANGLE_ROUNDING:
         return vertices
     local = frame.to_local(vertices)
     axis = int(np.argmax(np.abs(system.measure(local).normal).sum(axis=0)))

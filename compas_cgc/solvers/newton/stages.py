@@ -17,8 +17,8 @@ from .system import System
 
 __all__ = ["Stages"]
 
-ROUNDS = 20  # of the smooth measure
-KEPT = 4  # rounds before the last that the next targets are mixed from
+ROUNDS = 20  # rounds of the smooth measure [rounds]; bounds the time where the layout error changes with every round
+KEPT = 4  # rounds from which the next targets are mixed [rounds]; older ones belong to shapes too far away (Anderson mixing)
 
 
 class Stages:

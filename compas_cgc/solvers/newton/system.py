@@ -28,7 +28,8 @@ from ..constants import LOCAL_ROUNDING
 
 __all__ = ["Shape", "Step", "System"]
 
-MANY = 10_000  # unknowns
+# unknowns from which systems are solved iteratively with old factors [unknowns]; below, a factorisation takes some hundredths of a second
+MANY = 10_000
 
 Solve = Callable[[FloatArray], FloatArray]
 

@@ -27,7 +27,7 @@ from .starts import from_surface
 
 __all__ = ["moves_by_constants"]
 
-STEPS = 20  # back to the angles of the edges, which a surface does not carry
+STEPS = 20  # steps that recover the angles of edges [steps]; a result holds vertices only, and Newton's method begins at the minimum
 
 
 def moves_by_constants(

@@ -50,10 +50,11 @@ from .settings import PolishSettings
 
 __all__ = ["seek"]
 
-FIRST = 8  # steps in the constants, and halvings of those drawn until a first surface is found
-MOST_CURVED = 2.0 * math.pi  # total curvature of a guess [rad], that of a half sphere, and of a gentle surface
-LONGEST = math.log(2.0)  # change of the logarithm of a constant in a step
-STUCK = 0.9  # of the distance from the goals after twice the step, above which a step leads to another branch
+FIRST = 8  # halvings of drawn constants until a first surface is found; the last one is 256 times smaller, nearly a plate
+MOST_CURVED = 2.0 * math.pi  # largest total curvature of a guess [rad]; that of a half sphere, beyond which a cap has no plan
+LONGEST = math.log(2.0)  # largest change of the logarithm of a constant in a step; a factor of 2, which keeps its sign
+# distance from the goals over that after twice the step, above which the branch ends; on a branch the decrease follows the step
+STUCK = 0.9
 
 
 class _Here(NamedTuple):

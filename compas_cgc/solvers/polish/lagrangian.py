@@ -31,7 +31,7 @@ from .turns import no_turns
 
 __all__ = ["Lagrangian", "State"]
 
-MOMENT_DIGITS = 6  # of moments at unit size that are compared, so that rounding does not order mirror twins
+MOMENT_DIGITS = 6  # compared digits of moments at unit size; so that rounding errors do not order mirror twins
 DETERMINANT = np.outer(TRACE, TRACE) - np.diag(OCCURRENCES)  # second derivative of the second invariant of a packed matrix
 
 

@@ -14,8 +14,8 @@ from ...linalg import factorise
 
 __all__ = ["least_area"]
 
-MAX_STEPS = 100  # to less area
-DECREASE = 1e-4  # relative decrease of the area from which steps go on
+MAX_STEPS = 100  # steps to less area [steps]; bounds the time, as the film is an initial guess
+DECREASE = 1e-4  # relative decrease of the area below which the steps end; the film is an initial guess only
 
 
 def least_area(vertices: Vertices, faces: Faces, free: Mask) -> FloatArray:

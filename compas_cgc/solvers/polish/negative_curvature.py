@@ -12,9 +12,9 @@ from ...discrete.arrays import FloatArray
 
 __all__ = ["negative_curvature"]
 
-ROUNDS = 40  # of the power iteration
-STEADY = 0.1  # relative change of the curvature in a round, below which the iteration ends
-# Wave numbers of the first load along the axes, times the size. A symmetric load would find symmetric directions only.
+ROUNDS = 40  # rounds of the power iteration [rounds]; bounds the time where two directions are alike
+STEADY = 0.1  # relative change of the curvature in a round below which the iteration ends; only the sign and a rough direction are used
+# wave numbers of the first load along the axes [1/L]; irrational ratios, as a symmetric load finds symmetric directions only
 WAVES = np.array([2.1, 3.7, 4.3])
 
 

@@ -28,13 +28,18 @@ from .sparsity import Model
 
 __all__ = ["Step", "regularisation", "steps"]
 
-REGULARISATION = 1e-8  # of multipliers that equations hardly determine, against the area of their cells times the scale of the law
-CORRECTIONS = 3  # of second order, of every length that is tried
-EXACT, HALVINGS = 1.0, 4  # share of the second derivatives that are not convex, and how often it is halved before they are left out
-SHIFT, GROW, MOST = 1e-4, 10.0, 1e4  # first shift of the second derivatives, its factor, and its limit
-CLOSE, NEARER = 1e-2, 0.1  # step, against the size, near the end of the way; and part of a step that is left where factors still fit
-MET = 1e-4  # weight of the residuals in the merit, against the energy, up to which the equations are met and less energy is looked for
-SETTLED = 1e-8  # move of a vertex, against the size of the mesh, that is none
+# regularisation of the multipliers relative to the cells and the scale of the law; the root of the rounding error (Vanderbei)
+REGULARISATION = 1e-8
+CORRECTIONS = 3  # second-order corrections of a trial step; a long step along a valley of the energy leaves the equations (Maratos effect)
+EXACT = 1.0  # full share of the non-convex second derivatives; by definition
+HALVINGS = 4  # halvings of that share before it is left out; less than a sixteenth has no effect on the step
+SHIFT = 1e-4  # first shift of the second derivatives; small, so that nearly convex models hardly change
+GROW = 10.0  # factor on the shift; eight factorisations cover all shifts
+MOST = 1e4  # largest shift; beyond, the step is that of steepest descent
+CLOSE = 1e-2  # step relative to the size from which old factors are tried; second derivatives change by as much
+NEARER = 0.1  # fraction of a step that the next one with old factors may leave; slower steps cost more than new factors
+MET = 1e-4  # weighted residual over the energy up to which less energy is sought; above, steps towards the equations come first
+SETTLED = 1e-8  # move relative to the size that ends a search; the square of the next step is at rounding level
 
 
 class Step(NamedTuple):

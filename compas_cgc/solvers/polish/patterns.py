@@ -13,11 +13,11 @@ from ..constants import TWIN_ENERGIES
 
 __all__ = ["Patterns"]
 
-DIRECTIONS = 64  # of saddles that are compared
-MODES = 4  # patterns of least energy for curvature of any size, from which others are found
-SWEEPS = 30  # most rounds over the regions
-MOST = 4  # patterns that are tried where regions bend in ways of their own
-DEAREST = 1.5  # energy of a pattern that is tried, against the least
+DIRECTIONS = 64  # directions of saddles that are compared; 2.8° apart, from where the search turns to the best one
+MODES = 4  # patterns of least energy from which others are found [patterns]; higher modes have more energy
+SWEEPS = 30  # rounds over the regions [rounds]; bounds the time, as every change decreases the energy
+MOST = 4  # patterns from which surfaces are sought; each costs a search
+DEAREST = 1.5  # energy of a pattern over the least that is tried; the energy of a plate orders patterns, but not exactly
 
 
 class Patterns:

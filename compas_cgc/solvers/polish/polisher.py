@@ -66,13 +66,16 @@ from .starts import starts
 
 __all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 
-MANY = 1000  # vertices from which branches are found on even triangles first, and their vertices
-EVEN = (0.0, 0.55, 0.4)  # lengths over which curvature varies evenly that are tried where least bending may have branch points
+MANY = 1000  # vertices above which branches are found on even triangles first [vertices]; below, this saves no time
+# lengths of even curvature over √area that are tried where K̄ < 0; least bending first, then without branch points (docs/method.md)
+EVEN = (0.0, 0.55, 0.4)
 EVENLY = "its curvature varies evenly over {:g} of the size, without the branch points that least bending has"
-ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
-ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
-FIRST, GROWTH, SHORTEST = 0.25, 1.5, 0.03  # part of the way by which supports are lowered, its factor, and its limit
-WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
+ENERGY_DIGITS = 9  # compared digits of energies; so that rounding errors do not order mirror twins
+ROUNDING = 64.0  # rounding errors of a coordinate that residuals contain at least; second differences over an edge of an eighth of the size
+FIRST = 0.25  # first fraction of the way by which supports are lowered; four steps if none fails
+GROWTH = 1.5  # factor on this fraction after a success; two successes make up for one failure, which halves it
+SHORTEST = 0.03  # smallest such fraction; a branch that needs shorter steps ends
+WAVES = 0.2  # wavelength over √area below which waves of a kept drawing are smoothed; five waves across a roof
 
 
 TURNED_OVER = (

@@ -23,8 +23,9 @@ from .lagrangian import Lagrangian
 
 __all__ = ["move_directions", "pair_laws", "pair_rates", "pair_targets", "posed", "takes_goals"]
 
-FACING = 0.3  # component of the normals of faces along the mean normal, from which a drawing has a plan
-SMOOTHINGS = 10  # of the normals of a drawing that has none
+# cosine between face normals and the mean normal above which a drawing has a plan; steeper than 72° vertical moves stretch faces
+FACING = 0.3
+SMOOTHINGS = 10  # averages of the normals of a drawing without a plan; over ten edges, so that moves of neighbours are nearly parallel
 
 
 def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:

@@ -15,8 +15,8 @@ from ...model.tolerances import ROUNDING
 
 __all__ = ["Saddle"]
 
-FACTORS = 10.0  # right sides that factors take as long as
-REFINEMENTS = 3  # relative residual of solutions, and rounds of refinement towards it
+FACTORS = 10.0  # work of a factorisation [right sides]; estimate of the time, which affects the work limit only
+REFINEMENTS = 3  # rounds of iterative refinement [rounds]; each gains several digits unless the matrix is singular
 
 
 class Saddle:

@@ -17,6 +17,7 @@ from ...discrete.mid_edge import TRACE
 from ...linalg import factorise
 from ...model.laws import Shape
 from ...model.tolerances import DRAWING_ACCURACY
+from ..constants import GROUND
 from ..constants import SHAPE_KEPT
 from ..constants import SIDE_SHARE
 from .lagrangian import Lagrangian
@@ -26,11 +27,11 @@ from .patterns import Patterns
 
 __all__ = ["Lifted", "from_surface", "is_kept", "over_its_plate", "plate", "saddles", "starts"]
 
-SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
-MOST_PLACES = 0.02  # median of the squared curvature of a drawing, against its mean, below which it bends beside its supports alone
-PULLED = 2.0  # slope of a drawing beside its supports, against that elsewhere, above which supports were pulled out of it
-FLAT_FACE = 1e-8  # squared curvature times the area of the mesh, below which a drawing is flat
-FLAT = 3e-5  # curvature against the largest, below which it is zero
+# median over mean of the squared curvature of a drawing, below which it bends beside its supports alone; 1 if it bends evenly
+MOST_PLACES = 0.02
+PULLED = 2.0  # slope beside supports over that elsewhere, above which supports were pulled out of a sheet; slopes of shells vary less
+FLAT_FACE = 1e-8  # squared curvature times area below which a drawing is flat; a sagitta of 1e-5 of the size is invisible
+FLAT = 3e-5  # curvature relative to the largest below which it is zero; as FLAT_FACE, for K
 
 
 class _Plate:
@@ -262,7 +263,7 @@ def _stiffness(lagrangian: Lagrangian, here: State) -> sparse.csr_matrix:
 
 
 def _firm(stiffness: sparse.csr_matrix) -> sparse.csr_matrix:
-    return (stiffness + SOFTEST * sparse.diags(stiffness.diagonal())).tocsr()
+    return (stiffness + GROUND * sparse.diags(stiffness.diagonal())).tocsr()
 
 
 def _present(state: State) -> FloatArray:

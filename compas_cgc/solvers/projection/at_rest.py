@@ -20,9 +20,9 @@ from .system import System
 
 __all__ = ["brought_to_rest", "rests"]
 
-MOST = 500  # vertices that may move, up to which the matrix is factorised
-FASTER = 0.3  # of a step, against the one before, while the matrix is good enough
-STEPS = 16  # with one matrix
+MOST = 500  # movable vertices up to which the exact matrix is factorised [vertices]; bounds the time, which grows faster than linearly
+FASTER = 0.3  # ratio of successive steps up to which the matrix is kept; beyond, a new one takes less time
+STEPS = 16  # steps with one matrix [steps]; at a ratio of 0.3 eight digits
 
 
 def rests(system: System, equations: CurvatureEquations) -> bool:

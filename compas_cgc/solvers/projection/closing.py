@@ -28,11 +28,12 @@ from .vectors import norm
 
 __all__ = ["Closing", "along", "closed_across", "is_bound_by_k_alone"]
 
-SOFT = (1e-9, 1e-8, 1e-7, 1e-5)  # weights of the metric against those of the equations: the first that leave the matrix positive definite
-ROUNDS = 20  # of refinement
-LEAST = 1e-2  # residual of the linear systems; steps converge by as much
-MEMORY = 3  # steps across in which residuals may grow: where K < 0 the last sway before they converge
-HOPELESS = 0.9  # of the right side, left by a move that is not worth its step: along asymptotic lines K is mended by moves in the surface
+# weights of the metric relative to the equations; the smallest that leaves the matrix positive definite is used, rounding decides
+SOFT = (1e-9, 1e-8, 1e-7, 1e-5)
+ROUNDS = 20  # rounds of refinement [rounds]; bounds the time where the weights leave the equations inaccurate
+LEAST = 1e-2  # relative residual of the linear systems; steps converge by a factor of 100, as the directions are fixed
+MEMORY = 3  # steps across in which residuals may grow [steps]; where K < 0 the last ones oscillate before they converge
+HOPELESS = 0.9  # fraction of the right side that a useless move leaves; along asymptotic lines only moves in the surface change K
 
 
 class Closing(System):

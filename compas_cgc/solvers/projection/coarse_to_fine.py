@@ -36,9 +36,11 @@ from .system import System
 
 __all__ = ["kept_on_coarse", "ways_from_coarse"]
 
-FEWEST = 450  # or of one half as fine, with even triangles: with fewer the shape of a plan is lost
-DETOUR = 100  # vertices that may move, from which an irregular mesh takes many steps that lead astray where K < 0
-PART = 50  # or one for so many of the finer, where that is more
+FEWEST = 450  # vertices of even triangles [vertices]; fewer lose the shape of a plan with corners
+# movable vertices from which an irregular mesh with K < 0 is first solved on even triangles [vertices]; smaller ones take few steps
+DETOUR = 100
+# vertices of a mesh per vertex of its coarser one, if that has more than COARSE_VERTICES; limits the distance that is interpolated
+PART = 50
 
 
 class _Found(NamedTuple):

@@ -20,8 +20,7 @@ from ..constants import LOCAL_ROUNDING
 
 __all__ = ["Contact", "Touching"]
 
-ON = 1e-11  # distance from a side, in the local frame, that is none
-STICKY = 4  # times that a vertex may let go of a side
+STICKY = 4  # times that a vertex may leave a side; prevents endless changes of the active set
 
 
 class Touching(NamedTuple):
@@ -71,7 +70,7 @@ class Contact(NamedTuple):
             now, own = np.zeros(len(self.movable), bool), np.zeros(len(self.movable), bool)
             at = side.candidates(vertices)
             own[at] = True
-            now[at] = (np.abs(side.goal.slack(vertices[at])[0]) <= ON) & self.movable[at]
+            now[at] = (np.abs(side.goal.slack(vertices[at])[0]) <= ROUNDING) & self.movable[at]
             touching.append(now)
             members.append(own)
         return self._replace(members=tuple(members), touching=tuple(touching))

@@ -20,18 +20,19 @@ from ...model.tolerances import ROUNDING
 from ..coarse import coarsened
 from ..constants import COARSE_VERTICES
 from ..constants import FACING
+from ..constants import GROUND
 from ..constants import HUGE_MESH
+from ..constants import LARGE_MESH
+from ..constants import LOCAL_ROUNDING
 from .metric import bending_matrix
 from .placement import movable_vertices
 
 __all__ = ["as_meant"]
 
-PULLED = 5.0  # bending of a sheet, against that with its supports where the rest of it has them, from which they were pulled out
-LEVEL = 1e-14  # difference of heights, against the extent of a drawing, that is none
-SOFT = 0.1  # bending stiffness across creases, as a part of that elsewhere
-HELD = 1e-9  # what holds a plate that nothing else holds, against its stiffness
-TURNS = 4  # renewals of a plate as it turns
-MANY = 5000  # vertices of a plate for which factors of the turn before are near enough
+# bending of a sheet over that with its supports put back, above which they were pulled out of it; lifting a point bends far more
+PULLED = 5.0
+SOFT = 0.1  # bending stiffness across creases relative to that elsewhere; a drawn fold is no sign of lifted supports
+TURNS = 4  # renewals of the plate as its normal turns; each turns it by a fraction of the one before
 
 
 def as_meant(problem: CGCProblem) -> CGCProblem:
@@ -56,7 +57,7 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
     if up is None:
         return problem
     heights = V @ up
-    if np.ptp(heights) <= LEVEL * np.ptp(V):
+    if np.ptp(heights) <= LOCAL_ROUNDING * np.ptp(V):
         return problem
     sheet = _Plate(_bending(problem, V, F), V, fixed).least(heights)
     bending = _bending(problem, V + (sheet - heights)[:, None] * up, F)
@@ -77,7 +78,7 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
         if up is None:
             break
         heights, plate = shape @ up, _Plate(_bending(problem, shape, F), shape, ~fixed)
-        if len(V) > MANY:
+        if len(V) > LARGE_MESH:
             # It hardly turns any more after the first time.
             near = near or plate.factors()
         shape = shape + (movable * (plate.carried(heights, near) - heights))[:, None] * up
@@ -119,7 +120,7 @@ class _Plate:
         self._points = points[free]
         self._free, self._rows = free, bending[np.flatnonzero(free)]
         own = self._rows[:, np.flatnonzero(free)]
-        self._own = (own + HELD * float(own.diagonal().max()) * sparse.identity(own.shape[0])).tocsr()
+        self._own = (own + GROUND * float(own.diagonal().max()) * sparse.identity(own.shape[0])).tocsr()
 
     def factors(self) -> LinearSolver:
         """Return the factors of its matrix."""

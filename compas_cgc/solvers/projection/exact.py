@@ -29,7 +29,7 @@ __all__ = ["closing_equations", "exactly", "may_slide"]
 Result = TypeVar("Result")
 _Search = Generator[Taken, None, bool]
 
-NEAR = (10.0, 1000.0)  # weights of K against waves, for a shape that nearly has it
+NEAR = (10.0, 1000.0)  # weights of K relative to waves for a shape that nearly has it; the third and the last of WEIGHTS
 
 
 def may_slide(system: System, equations: CurvatureEquations, measure: str, vertices: Vertices) -> bool:

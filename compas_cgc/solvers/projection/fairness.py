@@ -30,8 +30,8 @@ from .vectors import dot
 
 __all__ = ["Fairness"]
 
-SEED_MASS = 1e-4  # what holds a plate that nothing else holds
-FLAT = 1e-15  # squared height, in the local frame, that is rounding
+SEED_MASS = 1e-4  # mass of a plate that nothing holds, relative to its bending stiffness; makes the matrix definite
+FLAT = 1e-15  # squared height in the local frame at rounding level [L²]; the square of 3e-8, below any drawn shape
 
 
 class Fairness:

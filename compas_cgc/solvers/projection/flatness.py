@@ -12,7 +12,8 @@ from ...discrete.arrays import IntArray
 
 __all__ = ["flat_share"]
 
-FLAT = 0.01  # fold against the one that the target would have
+# fold relative to that of the target, below which a place is flat; a derivative of K by heights is then a hundredth of its value
+FLAT = 0.01
 
 
 def _flat_vertices(vertices: FloatArray, faces: IntArray, wanted: FloatArray) -> NDArray[np.bool_]:

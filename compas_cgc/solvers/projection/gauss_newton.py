@@ -10,7 +10,10 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ..constants import DECREASE
 from ..constants import LOOSE_RESIDUAL
+from ..constants import PATIENCE
+from ..constants import SHORTEST
 from ..constants import TIGHT_RESIDUAL
 from .iterate import SMALLEST_AREA
 from .iterate import Point
@@ -21,13 +24,11 @@ from .vectors import norm
 
 __all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "line_search"]
 
-SHORTEST = 2.0**-10  # part of a step below which the search gives up
-DECREASE = 0.1  # part of the expected decrease that a step must bring
-PATIENCE = 12  # steps within which the merit must fall
-SLOW = 0.9  # to this part of what it was
-FULFILLED = 1e-8  # residual, against the curvature asked for, from which on steps converge quadratically
-FINISH = 4  # steps to rounding without much gain after which it is reached
-ALIKE, SLOWEST = 0.3, 0.97  # difference of two steps in turn, against the last, that go the same way, and their ratio that leads nowhere
+SLOW = 0.9  # factor on the merit within PATIENCE; slower searches do not converge within the step limit
+FULFILLED = 1e-8  # residual relative to the prescribed curvature from which steps converge quadratically; the root of the rounding error
+FINISH = 4  # steps that have to gain at the end [steps]; rounding level is reached if they do not
+ALIKE = 0.3  # relative difference of two successive steps in one direction; steps within 17° are extrapolated (Aitken)
+SLOWEST = 0.97  # largest ratio of such steps; limits the extrapolation to 33 steps
 
 
 class Taken(NamedTuple):

@@ -31,8 +31,8 @@ from .trust_region import refine
 
 __all__ = ["goal_ways"]
 
-TRIED = 3  # starts
-ROUNDS = 4  # of finishing, after which vertices cross their sides no more
+TRIED = 3  # starts; bounds the time, the first ones are the likeliest
+ROUNDS = 4  # rounds of finishing [rounds]; each may bring vertices across sides, ever fewer
 
 
 def goal_ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings, warm: bool) -> Iterator[Taken]:

@@ -13,7 +13,7 @@ from .vectors import norm
 
 __all__ = ["SMALLEST_AREA", "Point"]
 
-SMALLEST_AREA = 1e-100  # area that keeps the error of a vertex without any a number
+SMALLEST_AREA = 1e-100  # area that keeps the error of a vertex without area finite [L²]; any value far below those of cells
 
 
 class Point(NamedTuple):

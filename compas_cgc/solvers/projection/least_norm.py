@@ -15,6 +15,7 @@ from ...linalg import SingularMatrixError
 from ...linalg import factorise
 from ...linalg.work import rights
 from ...linalg.work import spend
+from ..constants import FACTORS
 from .found_curvature import CommonPart
 from .metric import Metric
 from .vectors import dot
@@ -22,13 +23,12 @@ from .vectors import norm
 
 __all__ = ["Cheapest", "LeastNorm", "Preconditioner", "Rows"]
 
-FEW = 15  # rounds after which a preconditioner is made, or made anew
-EARLY = 5  # rounds after which their pace tells that far more than a few will be needed
-FAR = 1.5  # how many times more
-MOST = 60  # rounds after which the step is taken as it is
-SOFT = 1e-6  # regularisation of the preconditioner, against the scale of the system
-FACTORS = 25  # rounds that a preconditioner takes as long as
-LEAST = 1e-8  # of an equation's own scale, against the largest
+FEW = 15  # rounds of conjugate gradients before a preconditioner is made [rounds]; it costs as much as FACTORS rounds
+EARLY = 5  # rounds whose rate predicts the number of rounds [rounds]; a third of FEW
+FAR = 1.5  # predicted rounds over FEW from which a preconditioner is made at once; the prediction is rough
+MOST = 60  # rounds after which a step is taken as it is [rounds]; bounds the time, an inexact step is corrected by the next one
+SOFT = 1e-6  # regularisation of the preconditioner relative to the scale of the system; keeps it definite, and six digits of it
+LEAST = 1e-8  # scale of an equation relative to the largest; rows of slivers would dominate otherwise
 
 Preconditioner = Callable[[FloatArray], FloatArray]
 

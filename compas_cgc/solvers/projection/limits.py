@@ -37,8 +37,8 @@ from ...model.verdict import verdict
 __all__ = ["Most", "has_number", "limit", "number_had", "number_of", "with_number"]
 
 KINDS = (Height, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
-HALVINGS = 6
-FAR = 8.0  # quotient of numbers of other sizes
+HALVINGS = 6  # halvings of the interval between a feasible and an infeasible number; two digits
+FAR = 8.0  # ratio of numbers of different magnitude; far too large numbers, in wrong units, come down in few solves
 
 Solve = Callable[[CGCProblem, Optional[FloatArray]], Solution]  # from a shape (n, 3), if there is one
 

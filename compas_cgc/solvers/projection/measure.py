@@ -34,8 +34,9 @@ from .trust_region import refine
 
 __all__ = ["renewed", "shows_layout", "smooth_equations", "smoothed"]
 
-ROUNDS = 2  # of the search for the fairest shape
-RENEWALS, STEPS = 3, 2  # most times that the layout's part is kept for some steps
+ROUNDS = 2  # searches for the fairest shape as the layout error changes; two rounds of the correction are enough
+RENEWALS = 3  # rounds in which the layout error is kept for some steps [rounds]; bounds the time where it changes with every step
+STEPS = 2  # steps with a kept correction [steps]; quadratic convergence needs two from a fair shape
 
 
 def smooth_equations(system: System, equations: CurvatureEquations, vertices: FloatArray) -> CurvatureEquations:

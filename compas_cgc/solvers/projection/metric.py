@@ -18,8 +18,10 @@ from ...linalg import factorise
 
 __all__ = ["Metric", "bending_matrix", "slope_jumps"]
 
-WIDE = 0.15  # width of a sheet that bends as easily as a crease of stiffness 1/2 folds, against the distance of creases and edge
-SLENDER = 1e-3  # a hinge between faces smaller than this part of the mean counts as if they were larger
+# width of a sheet that bends as easily as a crease of stiffness 1/2 folds, over the distance of creases; a fold then costs the same on
+# every mesh
+WIDE = 0.15
+SLENDER = 1e-3  # area of a hinge relative to the mean, which it has at least; slivers would be rigid otherwise
 
 
 def bending_matrix(vertices: FloatArray, faces: IntArray, creases: NDArray[np.bool_], crease_stiffness: float) -> sparse.csr_matrix:

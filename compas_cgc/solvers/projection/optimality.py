@@ -22,8 +22,8 @@ from .system import System
 
 __all__ = ["Optimality", "optimality"]
 
-STEP = 1e-8  # of the difference quotients of first derivatives, in the local frame
-PIVOT = 1e-3  # of a pivot, against the largest entry of its column, that is kept in its place
+STEP = 1e-8  # step of difference quotients of exact gradients [L]; the root of the rounding error
+PIVOT = 1e-3  # pivot relative to the largest entry of its column, above which it is kept; preserves the ordering at a loss of three digits
 
 
 class Optimality(NamedTuple):

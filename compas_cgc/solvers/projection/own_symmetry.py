@@ -30,8 +30,8 @@ from .symmetry import together
 
 __all__ = ["colours", "mirrors_and_own", "own_symmetries"]
 
-EXACT = 1e-7  # how far an image may be from its vertex, against the size of the mesh
-PROBES = 12  # vertices that are looked at before all are
+EXACT = 1e-7  # distance of an image from its vertex relative to the size; meshes in Rhino may have single precision, 6e-8
+PROBES = 12  # vertices that are checked before all are [vertices]; most candidates fail at one of the first
 
 
 def own_symmetries(problem: CGCProblem, goals: BoundGoals) -> list[Image]:

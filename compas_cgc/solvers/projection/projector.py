@@ -33,7 +33,9 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from ...model.verdict import verdict
+from ..constants import ANGLE_ROUNDING
 from ..constants import LARGE_MESH
+from ..constants import LOCAL_ROUNDING
 from ..constants import ROUNDINGS
 from .coarse_to_fine import kept_on_coarse
 from .coarse_to_fine import ways_from_coarse
@@ -63,13 +65,11 @@ from .system import System
 
 __all__ = ["Projector", "project", "ready"]
 
-READY = 3  # drawings for which what does not change is kept, or ways to keep to one
-POLISHING = 4  # most steps to a surface that is symmetric to rounding; like other last digits they are not counted
+READY = 3  # drawings whose matrices are kept; sliders and studies alternate between few
+POLISHING = 4  # steps to a surface that is symmetric to rounding [steps]; Newton's method needs one or two from NEAR
 
-ROUNDED = 3e-15  # residual that the sum of the angles around a vertex has [rad]
-FLAT = 1e-14  # K times the square of the size, that is none
 LED = "surfaces with less of the goal lead to it"
-CLOSE = 0.25  # of the rounding errors, from which they stop
+CLOSE = 0.25  # fraction of the rounding error at which these steps end; the last digits are then those of the symmetric surface
 
 
 @names_what_was_meant()
@@ -249,7 +249,7 @@ class Projector:
         # Compared as they are returned: rounding in the model's coordinates is part of them.
         told = [self._system.at(self._frame.to_local(self.to_model(one.vertices)), equations).residual for one in (best, reached)]
         left, had = (float(np.abs(residual).max(initial=0.0)) for residual in told)
-        return best if best.fulfils(goal, system.floor) and left <= max(had, ROUNDED) else reached
+        return best if best.fulfils(goal, system.floor) and left <= max(had, ANGLE_ROUNDING) else reached
 
     def _own_symmetries(self, drawn: CGCProblem) -> list[Image]:
         """Return the symmetries of the drawing with some targets, the last ones again where these are equal at the same vertices."""
@@ -281,7 +281,7 @@ class Projector:
             rows = own[within[own]]
             # A sheet that nothing asks to curve is flat, but for rounding.
             K = float(reached[rows[0]]) if len(rows) else np.nan
-            targets[within] = 0.0 if abs(K) * self._frame.scale**2 < FLAT else K
+            targets[within] = 0.0 if abs(K) * self._frame.scale**2 < LOCAL_ROUNDING else K
         return targets
 
     def posed(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None) -> CGCProblem:

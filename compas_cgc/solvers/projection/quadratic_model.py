@@ -17,10 +17,10 @@ from .vectors import dot
 
 __all__ = ["InnerStep", "QuadraticModel"]
 
-INNER = 40  # rounds of conjugate gradients in a step
-FINE = 1e-2  # residuals of the linear systems, at first and in the rounds
-FORCING = 1e-1  # part of the squared gradient that a step leaves
-NO_BEND = 1e-6  # curvature along a direction, against the metric's, that is none
+INNER = 40  # rounds of conjugate gradients in a step [rounds]; bounds the time, an inexact step is corrected by the next one
+FIRST_RESIDUAL = 1e-2  # relative residual of the first linear systems; far from the minimum the model errs by more
+FORCING = 1e-1  # fraction of the squared gradient that a step leaves; smaller near convergence (Eisenstat and Walker)
+NO_BEND = 1e-6  # curvature along a direction relative to that of the metric, below which it is zero; a step then ends at the trust region
 
 
 class InnerStep(NamedTuple):
@@ -62,9 +62,9 @@ class QuadraticModel:
         self._weights = system.spread(multipliers)
         self._along = system.hessian(equations, point.vertices, self._weights)
         self.energy, gradient = system.fairness.energy(point.vertices)
-        self.normal = linear.solver.cheapest(linear.right, FINE).move
+        self.normal = linear.solver.cheapest(linear.right, FIRST_RESIDUAL).move
         downhill = -(linear.reduced(gradient) + linear.solver.transposed @ multipliers) - self._bend(self.normal)
-        self._first = self._seen(downhill, multipliers, FINE)
+        self._first = self._seen(downhill, multipliers, FIRST_RESIDUAL)
 
     @property
     def slope(self) -> float:

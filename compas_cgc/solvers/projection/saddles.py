@@ -30,13 +30,14 @@ from .system import System
 
 __all__ = ["descend_over_saddles"]
 
-ROUNDS = 40  # of folding stars and of steps after it, at most
-CREEPING = 0.3  # so many steps that leave more than this part say that something is stuck
-PATIENCE, GAIN = 5, 0.7  # rounds that must bring the rest down to this part
-STUCK = 0.1  # part of the largest residual, from which a vertex is stuck
-STEP = 1e-3  # of the mean edge, for second differences
-FIRST, FARTHEST = 1e-4, 0.3  # of the mean edge, that a star is folded by
-HALVINGS = 40
+ROUNDS = 40  # rounds of folding stars and steps [rounds]; bounds the time
+CREEPING = 0.3  # factor on the merit in FINISH steps, above which a star is stuck; steps that are not stuck gain more
+PATIENCE = 5  # rounds that have to gain [rounds]; folding one star may need its neighbours folded, too
+GAIN = 0.7  # factor on the residual in PATIENCE rounds; slower searches do not converge within ROUNDS
+STUCK = 0.1  # residual relative to the largest from which a star is folded; smaller ones follow from their neighbours
+STEP = 1e-3  # step of second differences over the mean edge; the fourth root of the rounding error is 1e-4, angles vary over an edge
+FIRST = 1e-4  # smallest fold of a star over the mean edge; below, the star stays at the saddle point
+FARTHEST = 0.3  # largest fold of a star over the mean edge; larger ones turn faces over
 
 
 def descend_over_saddles(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
@@ -126,7 +127,7 @@ def _saddle(star: FloatArray, faces: Faces, K: float) -> Optional[FloatArray]:
         if excess(far * way) < goal:
             continue
         near = 0.0
-        for _ in range(HALVINGS):
+        for _ in range(40):  # to rounding level
             middle = 0.5 * (near + far)
             near, far = (middle, far) if excess(middle * way) < goal else (near, middle)
         found.append((far, way))

@@ -15,6 +15,7 @@ from ..constants import LONGEST
 from ..constants import LOOSE_RESIDUAL
 from ..constants import MAX_STEPS
 from ..constants import MULTIPLIER_MARGIN
+from ..constants import SHORTEST
 from ..constants import WEIGHT_DECAY
 from .gauss_newton import Taken
 from .iterate import Point
@@ -25,10 +26,10 @@ from .vectors import dot
 
 __all__ = ["NEAR", "Reached", "approach", "corrected"]
 
-SHORTEST = 2.0**-9  # part of a step below which the search gives up
-SMALL, TIRED = 0.13, 3  # part of a step, and how many in a row of less than that are enough
-NEAR = 1e-2  # residual, against the curvature asked for, that is near enough
-CALM = 0.02  # squared step, against the energy, at which the second derivatives take over
+SMALL = 0.13  # fraction of a step that counts as short; three halvings
+TIRED = 3  # short steps in a row that end the search [steps]; second derivatives are then needed
+NEAR = 1e-2  # residual relative to the prescribed curvature that is near enough; errors of 1 % are below those of coarse meshes
+CALM = 0.02  # squared step over the energy at which second derivatives take over; moves of a seventh, where the quadratic model holds
 
 
 class Reached(NamedTuple):

@@ -19,6 +19,7 @@ from ...discrete.space_form import sliding_ease
 from ...linalg import SingularMatrixError
 from ...linalg import factorise
 from ...model.laws import types_of
+from ..constants import PATIENCE
 from ..constants import WORTHWHILE
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
@@ -28,8 +29,7 @@ from .system import System
 
 __all__ = ["can_slide", "slide", "turns_triangles_over"]
 
-PATIENCE = 8  # steps that must bring the rest down to this part
-LAST = 3  # steps to rounding
+LAST = 3  # steps at rounding level [steps]; each reduces the rounding errors of the one before
 
 
 def can_slide(system: System, equations: CurvatureEquations) -> bool:

@@ -21,7 +21,8 @@ from .found_curvature import FoundCurvature
 
 __all__ = ["SmoothEquations", "SmoothFoundCurvature", "in_smooth_measure"]
 
-FITS, SLOPES = 20, 45  # right sides that fits take as long as, and with their derivatives
+FITS = 20  # work of fits [right sides]; estimate of the time, which affects the work limit only
+SLOPES = 45  # work of fits with their derivatives [right sides]; estimate of the time, which affects the work limit only
 
 Plain = TypeVar("Plain", bound=CurvatureEquations)
 

@@ -19,6 +19,7 @@ from ...discrete.smoothed_normals import smooth_normals
 from ...linalg import factorise
 from ...linalg.work import count
 from ...linalg.work import rights
+from ..constants import FACTORS
 from .gauss_newton import Taken
 from .smooth_equations import SLOPES
 from .system import System
@@ -26,15 +27,15 @@ from .vectors import dot
 
 __all__ = ["DRAWN", "LOOSE", "smooth_shape"]
 
-WEIGHTS = (0.1, 1.0, 10.0, 100.0, 1000.0)  # of K that is missing against waves and bending, one after the other
-ROUNDS = 2  # for each
-FARTHEST = 0.1  # of a move, against the size of the mesh
-HALVINGS = 5
-SOLVE = 20  # right sides that the fits of a shape take as long as, and the solve for a move
-STILL = 3e-4  # move, against that, that is none
-COARSE = 300  # vertices of a mesh whose edges are longer than waves are high
-TIMES, MOST_TIMES = 0.015, 100  # that normals are smoothed, for each vertex more: over about a tenth of the size of the mesh
-STEEPEST = 0.5  # cosine of their angle with the normals that is counted
+WEIGHTS = (0.1, 1.0, 10.0, 100.0, 1000.0)  # successive weights of K relative to waves and bending; decades, each from the shape before
+ROUNDS = 2  # steps for each weight [steps]; the next weight follows from a shape that need not be exact
+FARTHEST = 0.1  # longest move relative to the size; fits over two rings hold no farther
+HALVINGS = 5  # halvings of a step; a thirtieth of a step is below STILL
+STILL = 3e-4  # move relative to the longest one, below which the next weight follows; invisible, and far below the next move
+COARSE = 300  # vertices up to which normals are not smoothed [vertices]; their edges are longer than waves are high
+TIMES = 0.015  # averages of normals for each vertex above COARSE; over about a tenth of the size of the mesh
+MOST_TIMES = 100  # largest number of averages; bounds the time
+STEEPEST = 0.5  # smallest cosine between these directions and the normals; limits moves to twice the distance
 
 
 class _Weights(NamedTuple):
@@ -46,8 +47,9 @@ class _Weights(NamedTuple):
     near: float  # the way from the drawing
 
 
-DRAWN = _Weights(30.0, 1e-5, 1e-3, 1.0)  # bends a drawing that is meant as little as can be
-LOOSE = _Weights(3.0, 1e-3, 0.03, 1e-2)  # of a start that nobody drew, or that is to be kept less than by default
+DRAWN = _Weights(30.0, 1e-5, 1e-3, 1.0)  # weights beside a kept drawing; chosen with the drawn saddles of `tests.system.fairness_study`
+# weights beside a start that nobody drew; a tenth or less of DRAWN for waves of K, more for distances
+LOOSE = _Weights(3.0, 1e-3, 0.03, 1e-2)
 
 
 def smooth_shape(
@@ -147,7 +149,7 @@ class _State:
         pull = self._pull * np.einsum("nx,nx->n", directions, directions)
         matrix = _along(self._smooth, directions) + J.T @ sparse.diags(exact) @ J + sparse.diags(pull)
         move = np.zeros(len(directions))
-        count(rights(SOLVE, 3 * len(directions)))
+        count(rights(FACTORS, 3 * len(directions)))
         own = matrix.tocsr()[columns][:, columns]
         move[columns] = -factorise(own, symmetric=True, points=self.vertices[columns], refine=False).solve(gradient[columns])
         return move

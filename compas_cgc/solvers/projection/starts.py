@@ -13,7 +13,6 @@ from ...discrete.jacobian import CurvatureEquations
 from ...model.measures import is_held_all_round
 from ...model.roles import DUMMY
 from ...model.roles import FIXED
-from ..newton import NewtonSettings
 from ..newton import newton
 from ..polish.polisher import plates
 from .flatness import flat_share
@@ -24,9 +23,9 @@ from .system import System
 
 __all__ = ["is_flat", "starts"]
 
-NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
-STEPS = 50  # most steps of Newton's method
-FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a drawing is no start
+NEARLY = 0.05  # residual relative to the prescribed curvature up to which a drawing is the start; within 5 % Newton's method stays at it
+# share of the prescribed curvature in flat places above which a drawing is no start; K does not change to first order there
+FLAT_SHARE = 0.1
 
 
 def starts(system: System, equations: CurvatureEquations, drawing: Point) -> Iterator[Point]:
@@ -71,7 +70,7 @@ def _bent(system: System, equations: CurvatureEquations, drawing: FloatArray) ->
     held[system.columns] = False
     problem = replace(problem, roles=np.where(held, FIXED, problem.roles), goals=())
     if is_held_all_round(problem):
-        convex = newton(problem, settings=NewtonSettings(steps=STEPS))
+        convex = newton(problem)
         if convex.status == "converged":
             return [convex.vertices]
     return plates(problem)

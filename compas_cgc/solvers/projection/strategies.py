@@ -18,6 +18,7 @@ from ...model.tolerances import DRAWING_ACCURACY
 from ...model.tolerances import NEGLIGIBLE
 from ...model.verdict import verdict
 from ..constants import LARGE_MESH
+from ..constants import WITHIN_REACH
 from ..constants import WORTHWHILE
 from .at_rest import brought_to_rest
 from .at_rest import rests
@@ -49,12 +50,13 @@ from .trust_region import refine
 
 __all__ = ["smoothed_first", "ways", "ways_from_near"]
 
-CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
-SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
-ENOUGH = 30  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
-ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
-MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
-PATIENT, HELD = 4, 8  # steps for each weight of K on the way to a smooth shape, and where K < 0 is held all round
+SMOOTHER = (1.0, 0.5, 2.5)  # factors on the smoothness of least-norm steps, one after the other; where one stalls another may converge
+ENOUGH = 30  # vertices with K̄ for polynomial fits [vertices]; a fit over two rings has nineteen
+ALMOST = 1e-5  # longest move relative to the size of a shape that is brought to rest next; two Newton steps reach rounding from there
+# distance of a drawing from the smoothest shape through its rim, relative to the size, above which it is kept; less is invisible
+MEANT = 0.01
+PATIENT = 4  # steps for each weight of K on the way to a smooth shape [steps]; twice as many as for other shapes
+HELD = 8  # the same where K < 0 is held all around [steps]; such rims have too many conditions and converge slowly
 
 _Smoothing = Callable[[System, CurvatureEquations, Reached], Iterator[Taken]]
 _Search = Generator[Taken, None, Optional[Reached]]
@@ -226,7 +228,7 @@ def _fairest(system: System, equations: CurvatureEquations, tried: Iterator[Poin
 def _approached(system: System, equations: CurvatureEquations, point: Point) -> _Search:
     """Approach the equations from a start, and close in on them should that not get near; return where that leads, if it does."""
     reached = yield from approach(system, equations, point)
-    if NEAR < system.missing(reached.point, equations) <= CLOSE:
+    if NEAR < system.missing(reached.point, equations) <= WITHIN_REACH:
         reached = yield from _closed(system, equations, reached)
     return reached if system.missing(reached.point, equations) <= NEAR else None
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ..constants import LOCAL_ROUNDING
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
@@ -18,8 +19,7 @@ from .system import System
 
 __all__ = ["kept_symmetries", "made_symmetric", "symmetric_start"]
 
-NEAR = 2e-3  # how far a surface may be from its image, against its size, to be meant as symmetric
-ROUNDING = 1e-14  # the same, from which it is
+NEAR = 2e-3  # distance of a surface from its image relative to the size, below which symmetry is intended; less than is visible
 
 
 def kept_symmetries(vertices: FloatArray, size: float, symmetries: list[Image]) -> Optional[list[Image]]:
@@ -29,7 +29,7 @@ def kept_symmetries(vertices: FloatArray, size: float, symmetries: list[Image]) 
     """
     gaps = [_gap(vertices, image) for image in symmetries]
     kept = [image for image, gap in zip(symmetries, gaps) if gap <= NEAR * size]
-    if len(kept) < 2 or max(gap for gap in gaps if gap <= NEAR * size) <= ROUNDING * size:
+    if len(kept) < 2 or max(gap for gap in gaps if gap <= NEAR * size) <= LOCAL_ROUNDING * size:
         return None
     known = {tuple(image.to.tolist()) for image in kept}
     closed = all(tuple(one.to[other.to].tolist()) in known for one in kept for other in kept)

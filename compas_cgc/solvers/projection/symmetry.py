@@ -19,8 +19,8 @@ from ...model.tolerances import NEGLIGIBLE
 
 __all__ = ["Image", "images", "keep_faces", "tears_faces", "together"]
 
-REACH = 0.5  # how far from its place an image may be, in mean edges
-MOST = 48  # images of a vertex, those of a cube's symmetry
+REACH = 0.5  # distance of an image from its vertex in edge lengths; beyond half an edge another vertex is nearer
+MOST = 48  # images of a vertex; the symmetries of a cube
 
 
 class Image(NamedTuple):

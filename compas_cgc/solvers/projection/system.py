@@ -33,6 +33,7 @@ from ...model.goals.binding import bind
 from ...model.goals.binding import unknown_constants
 from ...model.measures import read_across
 from ...model.problem import CGCProblem
+from ..constants import CONVERGED
 from ..constants import LOCAL_ROUNDING
 from ..constants import SMALLEST_FACE
 from .bordered import Bordered
@@ -56,12 +57,13 @@ from .vectors import norm
 
 __all__ = ["KeptDrawing", "System"]
 
-MEASURE, LINES = 0.5, 3.0  # right sides that the equations take as long as to measure, and to write down
-STEEPEST = 1e8  # derivative of an angle, in the local frame, beyond which it is rounding
-FLAT_SHARE = 0.5  # of a drawing, from which its heights mean nothing
-RELAXING = 2  # times that drawn heights are let go
-SETTLING = 5  # moves that bring a shape onto curved constraints
-FINEST = 1e-8  # residual of multipliers
+MEASURE = 0.5  # work of measuring the equations [right sides]; estimate of the time, which affects the work limit only
+LINES = 3.0  # work of their derivatives [right sides]; estimate of the time, which affects the work limit only
+# derivative of an angle in the local frame above which it is dropped [1/L]; an edge of 1e-8, whose direction is a rounding error
+STEEPEST = 1e8
+FLAT_SHARE = 0.5  # flat share of a drawing above which its heights are not kept; most of it then bends nowhere
+RELAXING = 2  # times that drawn heights are relaxed; each changes what bending means by less than the one before
+SETTLING = 5  # moves onto curved constraints [steps]; Newton's method converges quadratically from drawn positions
 
 
 class KeptDrawing(NamedTuple):
@@ -246,7 +248,7 @@ class System:
         system.places = self.places.holding(system.contact.constraints())
         linear = system.linearised(point, equations)
         energy = system.fairness.energy(point.vertices)[1]
-        multipliers = linear.solver.without_effect(-linear.reduced(energy), FINEST)[1]
+        multipliers = linear.solver.without_effect(-linear.reduced(energy), CONVERGED)[1]
         return system.renewed(point, equations, multipliers)
 
     def force(self, point: Point, equations: CurvatureEquations, multipliers: FloatArray) -> FloatArray:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
 from ...model.tolerances import ROUNDING
+from ..constants import MAX_STEPS
 from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
 from .iterate import Point
@@ -23,17 +24,18 @@ from .turning import Turning
 
 __all__ = ["refine"]
 
-MOST = 15  # steps
-CELLS = 3  # times that the kinds of cells are those of the shape that was found
-FIRST = 1e-2  # radius to begin with, against the root of the energy
-LITTLE, WELL = 0.1, 0.7  # parts of the promised decrease: too little, and enough for longer steps
-SHRINK, GROW = 0.25, 2.5
-BACK = 3  # moves back onto the equations after a step
-ON = 1e-4  # residual, against the curvature asked for, that is on them
-SETTLED = 1e-7  # longest move, against the size of the mesh, that is none
-POINTLESS = 3e-3  # decrease, against the energy, that is not worth steps that have to be cut back
-AIMLESS = 0.5  # of a step, against the one before, that has not come nearer, where the energy is settled
-SMALLEST_STEP = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
+CELLS = 3  # renewals of the kinds of cells; kinks of mixed areas at right angles stop quadratic convergence otherwise
+FIRST = 1e-2  # initial radius over the root of the energy; grows in a few steps where the model holds
+LITTLE = 0.1  # actual over predicted decrease below which a step is rejected; Conn, Gould and Toint
+WELL = 0.7  # actual over predicted decrease above which the radius grows; Conn, Gould and Toint
+SHRINK = 0.25  # factor on the radius after a rejected step; Conn, Gould and Toint
+GROW = 2.5  # factor on the radius after a good step; Conn, Gould and Toint
+BACK = 3  # moves back onto the equations after a step; fewer than a new step costs
+ON = 1e-4  # residual relative to the prescribed curvature on the equations; below what the model of the energy resolves
+SETTLED = 1e-7  # longest move relative to the size that ends a search; the square of the next step is at rounding level
+POINTLESS = 3e-3  # decrease relative to the energy for which a step is not shortened again; invisible changes of the shape
+AIMLESS = 0.5  # ratio of a step to the one before, above which the search wanders; with unknown K all shapes may be equally fair
+SMALLEST_STEP = 1e-4  # step over the root of the energy whose decrease is below rounding; the fourth root of the rounding error
 
 
 def refine(system: System, equations: CurvatureEquations, reached: Reached, enough: float = SETTLED) -> Generator[Taken, None, Reached]:
@@ -75,7 +77,7 @@ def _refined(
     system, multipliers = reached.system or system, reached.multipliers
     here = system.at(reached.point.vertices, equations)
     radius, kept, before = 0.0, None, math.inf
-    for _ in range(MOST):
+    for _ in range(MAX_STEPS):
         system = system.renewed(here, equations, multipliers)
         linear = system.linearised(here, equations, kept)
         model = QuadraticModel(system, equations, linear, here, multipliers)

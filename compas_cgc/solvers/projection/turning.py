@@ -10,7 +10,7 @@ from .system import System
 
 __all__ = ["Turning"]
 
-TURN = 0.5  # cosine of the angle that a face may turn by in a step
+TURN = 0.5  # cosine of the largest turn of a face in a step; 60°, a face that turns farther may turn over
 
 
 class Turning:

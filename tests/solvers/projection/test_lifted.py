@@ -185,7 +185,7 @@ def test_a_large_plate_turns_as_a_small_one_does(monkeypatch):
     problem = lifted((3, 0, 0, 3))
     every = as_meant(problem).vertices
     made = []
-    monkeypatch.setattr(drawing, "MANY", 0)
+    monkeypatch.setattr(drawing, "LARGE_MESH", 0)
     monkeypatch.setattr(drawing, "factorise", lambda *given, **how: made.append(1) or factorise(*given, **how))
     assert np.abs(as_meant(problem).vertices - every).max() < 1e-6
     assert len(made) == 3
@@ -197,8 +197,8 @@ def test_a_plate_of_many_vertices_is_found_on_fewer(monkeypatch, relief, off):
     problem = lifted((3, 0, 0, 3), relief=relief, cells=40)
     plate = as_meant(problem).vertices
     made = []
-    monkeypatch.setattr(drawing, "LARGE", 1000)
-    monkeypatch.setattr(drawing, "COARSE", 200)
+    monkeypatch.setattr(drawing, "HUGE_MESH", 1000)
+    monkeypatch.setattr(drawing, "COARSE_VERTICES", 200)
     monkeypatch.setattr(drawing, "factorise", lambda matrix, **how: made.append(matrix.shape[0]) or factorise(matrix, **how))
     found = as_meant(problem).vertices
     assert max(made) < 300 and np.array_equal(found[problem.supports], problem.vertices[problem.supports])
@@ -212,9 +212,9 @@ def test_what_is_kept_of_a_large_drawing_is_told_by_a_coarser_mesh(monkeypatch):
     whole = Projector(problem).solve()
     asked = []
     for module in (coarse_to_fine, projector):
-        monkeypatch.setattr(module, "MANY", 1000)
-    monkeypatch.setattr(coarse_to_fine, "LARGE", 1000)
-    monkeypatch.setattr(coarse_to_fine, "COARSE", 400)
+        monkeypatch.setattr(module, "LARGE_MESH", 1000)
+    monkeypatch.setattr(coarse_to_fine, "HUGE_MESH", 1000)
+    monkeypatch.setattr(coarse_to_fine, "COARSE_VERTICES", 400)
     monkeypatch.setattr(Fairness, "relaxed", lambda own: asked.append(len(own.rest)) or RELAXED(own))
     found = Projector(problem).solve()
     assert found.status == whole.status == "converged" and max(asked) < 600
