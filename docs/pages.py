@@ -1,4 +1,4 @@
-"""Generated pages of the manual: the reference and the command line.
+"""Generated pages of the manual: the reference, the command line, and the numerical constants.
 
 This file is a hook of mkdocs. Zensical has no hooks and reads the files that `python docs/pages.py` writes.
 """
@@ -6,16 +6,20 @@ This file is a hook of mkdocs. Zensical has no hooks and reads the files that `p
 from __future__ import annotations
 
 import argparse
+import ast
 import io
 import os
 import re
+import tokenize
 from collections.abc import Callable
+from collections.abc import Iterator
 from contextlib import redirect_stdout
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
 from typing import Any
+from typing import NamedTuple
 from typing import Optional
 
 import compas_cgc
@@ -26,6 +30,7 @@ from compas_cgc.io import FORMATS
 from compas_cgc.io import SUFFIXES
 
 DOCS = Path(__file__).parent
+PACKAGE = Path(compas_cgc.__file__).parent
 
 # Title text and modules of each page of the reference.
 PAGES = {
@@ -59,6 +64,34 @@ PAGES = {
 
 # Interfaces that document themselves, and packages whose names are public elsewhere too.
 LEFT_OUT = {"compas_cgc.cli", "compas_cgc.datastructures", "compas_cgc.server.page", "compas_cgc.grasshopper.components"}
+
+
+# Packages whose numerical constants have a table each.
+CONSTANTS = ("solvers", "model", "discrete")
+CONSTANTS_TEXT = """# Numerical constants
+
+All numbers that results depend on have a name at the top of a module, with their meaning and the reason for their value.
+`python docs/pages.py` reads these tables from the comments of the code. Ratios and numbers of things have the unit 1. Solvers work
+in a local frame, in which the drawing has unit size; L is a length there.
+
+A bound on steps or time that is not reached in most solves needs no other reason: a solve that reaches it ends with a status that
+says so.
+"""
+# Parts of expressions that are numbers: literals, arithmetic, and functions such as np.radians. Lists are tables of indices or weights.
+NUMERIC = (
+    ast.Constant,
+    ast.operator,
+    ast.unaryop,
+    ast.expr_context,
+    ast.BinOp,
+    ast.UnaryOp,
+    ast.Name,
+    ast.Attribute,
+    ast.Call,
+    ast.Tuple,
+    ast.Dict,
+)
+TABLES = ("np.zeros", "np.eye", "np.arange")
 
 
 def pages() -> dict[str, tuple[str, list[str]]]:
@@ -142,9 +175,81 @@ def formats() -> str:
     return before + "<!-- formats -->\n" + "\n".join(rows) + "\n<!-- end -->" + rest.partition("<!-- end -->")[2]
 
 
+class Constant(NamedTuple):
+    """A numerical constant at the top of a module."""
+
+    name: str
+    value: str
+    unit: str
+    meaning: str
+    reason: str
+    module: str  # path relative to the package compas_cgc
+
+
+def _is_number(value: ast.expr) -> bool:
+    """Check whether an expression is a number or consists of numbers; tables of indices are no numerical constants."""
+    if not all(isinstance(node, NUMERIC) for node in ast.walk(value)) or ast.unparse(value).startswith(TABLES):
+        return False
+    leaves = [node.value for node in ast.walk(value) if isinstance(node, ast.Constant)]
+    if any(isinstance(leaf, (bool, str, bytes)) or leaf is None for leaf in leaves):
+        return False
+    limits = any(isinstance(node, ast.Attribute) and node.attr in ("eps", "tiny") for node in ast.walk(value))
+    scalar = not any(isinstance(node, (ast.Tuple, ast.Dict)) for node in ast.walk(value))
+    return limits or (bool(leaves) and (scalar or any(isinstance(leaf, float) for leaf in leaves)))
+
+
+def _comments(text: str) -> dict[int, str]:
+    """Return the comments of the beginning of a module by line."""
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    return {token.start[0]: token.string.lstrip("# ") for token in tokens if token.type == tokenize.COMMENT}
+
+
+def constants(module: Path) -> Iterator[Constant]:
+    """Yield the numerical constants of a module, with the parts of their comments: ``meaning [unit]; reason``.
+
+    The comment is in the line of the constant, or in the lines above it.
+    """
+    text = module.read_text(encoding="utf-8")
+    found: list[tuple[ast.stmt, ast.Name, ast.expr]] = []
+    for node in ast.parse(text).body:
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
+            target, value = (node.targets[0] if isinstance(node, ast.Assign) else node.target), node.value
+            several = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
+            for one, own in zip(target.elts, value.elts) if several else [(target, value)]:
+                if isinstance(one, ast.Name) and one.id.isupper() and _is_number(own):
+                    found.append((node, one, own))
+    if not found:
+        return
+    lines = text.splitlines()[: found[-1][0].end_lineno]
+    comments = _comments("\n".join(lines) + "\n")
+    for node, name, value in found:
+        used = [line for line in range(node.lineno, (node.end_lineno or node.lineno) + 1) if line in comments]
+        above = node.lineno - 1
+        while (not used or used[0] < node.lineno) and above in comments and lines[above - 1].startswith("#"):
+            used, above = [above, *used], above - 1
+        comment = " ".join(comments[line] for line in used)
+        meaning, _, reason = comment.partition("; ")
+        meaning, _, unit = meaning.rstrip("]").partition(" [")
+        source = ast.get_source_segment(text, value) or ""
+        yield Constant(name.id, source, unit or "1", meaning, reason, module.relative_to(PACKAGE).as_posix())
+
+
+def constants_page() -> str:
+    """Return the page with the tables of numerical constants."""
+    page = CONSTANTS_TEXT
+    for name in CONSTANTS:
+        found = [own for path in sorted((PACKAGE / name).rglob("*.py")) for own in constants(path)]
+        page += f"\n## {name}\n\n{len(found)} constants\n\n| name | value | unit | meaning | reason | module |\n"
+        page += "| --- | --- | --- | --- | --- | --- |\n"
+        for own in found:
+            cells = (f"`{own.name}`", f"`{own.value}`", own.unit, own.meaning, own.reason, f"`{own.module}`")
+            page += f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |\n"
+    return page
+
+
 def made() -> dict[str, Callable[[], str]]:
     """Return the functions that create the pages, by path."""
-    found: dict[str, Callable[[], str]] = {"api/index.md": index, "cli.md": command_line, "3dm.md": formats}
+    found: dict[str, Callable[[], str]] = {"api/index.md": index, "cli.md": command_line, "3dm.md": formats, "constants.md": constants_page}
     for name, (text, modules) in pages().items():
         found[f"api/{name}.md"] = partial(reference_page, modules[0], text, modules)
     return found

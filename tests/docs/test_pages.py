@@ -181,7 +181,33 @@ def test_every_public_name_is_in_the_reference():
                 assert name.startswith("__") or f"#{pages.anchor(package, name)})" in index, (
                     f"{package}.{name} is on no page of docs/pages.py"
                 )
-    assert set(pages.made()) == {path.relative_to(DOCS).as_posix() for path in (DOCS / "api").glob("*.md")} | {"3dm.md", "cli.md"}
+    own = {path.relative_to(DOCS).as_posix() for path in (DOCS / "api").glob("*.md")}
+    assert set(pages.made()) == own | {"3dm.md", "cli.md", "constants.md"}
+
+
+def test_numerical_constants_have_meaning_and_reason():
+    pages = made_by("pages")
+    found = [own for name in pages.CONSTANTS for path in (pages.PACKAGE / name).rglob("*.py") for own in pages.constants(path)]
+    assert len(found) > 300
+    assert [f"{own.module}: {own.name}" for own in found if not (own.meaning and own.reason)] == []
+
+
+def test_comments_of_constants_are_read_from_their_line_or_from_above(tmp_path):
+    pages = made_by("pages")
+    pages.PACKAGE = tmp_path
+    module = tmp_path / "module.py"
+    module.write_text(
+        "# about the module\n\nSTEP = 1e-8  # step [L]; root of eps\nNAMES = ('a', 'b')\n# share of\n# all; measured\nPART: float = 2 / 3\n"
+        "A, B = np.radians(3.0), (0.5, 1.0)  # two; by definition\nLEFT = 4\n\n\ndef f():\n    INNER = 1.0\n",
+        encoding="utf-8",
+    )
+    assert [tuple(own[:5]) for own in pages.constants(module)] == [
+        ("STEP", "1e-8", "L", "step", "root of eps"),
+        ("PART", "2 / 3", "1", "share of all", "measured"),
+        ("A", "np.radians(3.0)", "1", "two", "by definition"),
+        ("B", "(0.5, 1.0)", "1", "two", "by definition"),
+        ("LEFT", "4", "1", "", ""),
+    ]
 
 
 def test_samples_are_the_examples_of_the_clone():
