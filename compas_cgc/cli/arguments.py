@@ -73,7 +73,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         help="merge points closer than this, such as 0.001 or 1mm (default: the tolerance of a .3dm, else coincident points)",
     )
     group.add_argument("--mesh", metavar="NAME", help="name of the mesh in a COMPAS .json that holds several")
-    text = "give parts that meet in a point, or at an edge of more than two faces, vertices of their own"
+    text = "separate parts of the mesh that meet only in a point, or at an edge with more than two faces"
     group.add_argument("--manifold", action="store_true", help=text)
 
 

@@ -35,8 +35,8 @@ def add_goals(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="REGIONS",
-        help="determine K of these regions, such as 0,2 or all; '0,2 ratio + 0.01..0.05' keeps the ratio of the drawn values, the sign "
-        "and K within bounds; repeatable",
+        help="determine K of these regions, such as 0,2 or all; '0,2 ratio + 0.01..0.05' also keeps the ratio of the drawn values, a "
+        "positive sign, and K between the two bounds; repeatable",
     )
     group.add_argument("--goal", action="append", default=[], metavar="JSON", help='goal as JSON, such as \'{"kind": "rise", "rise": 4}\'')
     group.add_argument("--sensitivity", action="store_true", help="report how the surface changes with K")

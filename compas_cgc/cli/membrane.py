@@ -20,7 +20,7 @@ __all__ = ["add_arguments", "run"]
 _EPILOG = """\
 Repeat -o to write several files. A .3dm file contains maps of the principal forces N1 and N2, crosses in their directions, reactions
 and line loads. An .inp file is an input of CalculiX and Abaqus with one step per load case; --results reads the results of CalculiX
-for it, with the thickness in the .inp file beside them. A .json file is the mesh as COMPAS data with its forces. Tension is positive. The
+for this file; the .inp file must be in the same folder. A .json file is the mesh as COMPAS data with its forces. Tension is positive. The
 unit of the forces is the unit of the load times the length unit of the file.
 
 examples:

@@ -40,12 +40,12 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-DESIGN is a .3dm with a NURBS surface, polysurface, SubD or mesh on a layer Design, or the only one in the file, with points or curves
-on a layer Supports; or a mesh file.
+DESIGN is a mesh file, or a .3dm file with a NURBS surface, polysurface, SubD or mesh. If the file contains several of these, put the
+design on a layer Design. Points or curves on a layer Supports are held.
 
-OUT is a .3dm with the solved surface and the layers CGC Rationalised::Moulds, Seams and Distance. Every panel is a region of it:
-compas-cgc mould OUT -o moulds.3dm --count 1 lays the panels onto their moulds. A .step file receives the panels as trimmed faces of one
-shell, a .3dm file with --nurbs four-sided patches whose sides coincide.
+OUT is a .3dm file with the solved surface and the layers CGC Rationalised::Moulds, Seams and Distance. Every panel is a region of this
+surface: compas-cgc mould OUT -o moulds.3dm --count 1 lays the panels onto their moulds. With --nurbs, the file also contains each panel as
+a four-sided patch; the sides of adjacent patches coincide. If OUT is a .step file, it contains the panels as trimmed faces of one shell.
 
 exit codes: 0 done; 1 the distance of --within is exceeded, or the surface did not converge; 3 the surface is rough; 4 the report or the
 sweep could not be written
@@ -63,7 +63,7 @@ NAMED = ("grid", "curvature", "geodesics", "levels", "faces")  # seams that need
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Find the surface nearest to a freeform design whose panels come off few moulds."
+    parser.description = "Find the surface with panels from few moulds that is nearest to a freeform design."
     parser.epilog = _EPILOG
     parser.add_argument("input", metavar="DESIGN", help="a .3dm, .step, .obj, .ply, .off, .stl or COMPAS .json file")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the file to write, a .3dm for panels, seams and distances")
@@ -76,14 +76,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: the layer Seams, or grid)",
     )
     moulds = parser.add_mutually_exclusive_group()
-    moulds.add_argument("--moulds", type=int, metavar="N", help="number of moulds (default: 4, or with --within the fewest that keep it)")
+    moulds.add_argument(
+        "--moulds", type=int, metavar="N", help="number of moulds (default: 4; with --within, the fewest for this distance)"
+    )
     moulds.add_argument(
         "--radii", nargs="+", metavar="R", help="radii of existing moulds, such as 12 or 12000mm: spheres > 0, saddles < 0, inf for flat"
     )
     moulds.add_argument("--keep", metavar="JSON", help="the report of an earlier run, whose moulds are kept")
-    parser.add_argument("--locked", type=int, nargs="+", metavar="N", help="panels of the report of --keep that keep their mould")
+    parser.add_argument(
+        "--locked", type=int, nargs="+", metavar="N", help="numbers of panels that keep the mould they have in the report given by --keep"
+    )
     parser.add_argument("--within", metavar="D", help="largest distance from the design, such as 0.03 or 30mm")
-    parser.add_argument("--flat", action=argparse.BooleanOptionalAction, help="whether one mould is flat (default: whichever is nearer)")
+    parser.add_argument(
+        "--flat",
+        action=argparse.BooleanOptionalAction,
+        help="whether one of the moulds is flat (default: the choice with the smaller distance)",
+    )
     parser.add_argument("--supports", choices=("corners", "boundary", "none"), help="what is held (default: that of the file, or corners)")
     parser.add_argument("--edges", type=int, metavar="N", help="edges of the mesh along the side of a panel (default: 4 or more)")
     parser.add_argument("--tolerance", metavar="D", help="largest distance of a smooth surface fitted to a mesh (default: the file's)")
@@ -92,7 +100,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         nargs=3,
         metavar=("KIND", "MOULD", "PANEL"),
-        help="costs of a mould and of a panel off it, once each for flat, sphere and saddle; with --within, the cheapest surface is found",
+        help="cost of a mould of this kind and of a panel made on it; give it for flat, sphere and saddle; with --within, the cheapest "
+        "surface is found",
     )
     parser.add_argument(
         "--weight",

@@ -44,7 +44,7 @@ The study is a TOML file with the parameters to vary:
   least = ["area"]
   most = ["volume"]
 
-A study of a freeform design, which compas-cgc rationalise takes, varies moulds, panel, within or seams:
+If FILE is a freeform design, as for compas-cgc rationalise, the parameters are moulds, panel, within or seams:
 
   [rationalise]
   supports = "boundary"               # and other options of rationalise

@@ -92,8 +92,9 @@ class SolveResult:
     turned
         Number of faces that differ from the input: edges of triangles too slender for K < 0 were flipped.
     branches
-        Surfaces with this curvature that the method ``bending`` found, the one returned first: vertices, energy, verdict, mirror twin.
-        On large meshes the others come from a coarser one; solve on from them: ``solve(problem.with_vertices(branch.vertices))``.
+        Surfaces with this curvature that the method ``bending`` found, with vertices, energy, verdict and mirror twin; the first is
+        the result.
+        On large meshes, the others were computed on a coarser mesh; to complete them: ``solve(problem.with_vertices(branch.vertices))``.
 
     Examples
     --------
@@ -190,7 +191,8 @@ class SolveResult:
             return ""
         middle, most = float(np.median(off)), float(off.max())
         return (
-            f"; with the mesh-layout correction evaluated on this surface, the error of K is {middle:.2g} (median) and {most:.2g} (largest)"
+            f"; with the layout error of the mesh estimated on the final surface, the error of K is {middle:.2g} (median) "
+            f"and {most:.2g} (largest)"
         )
 
     @cached_property

@@ -52,7 +52,7 @@ MEANINGS = {
     "LABEL": "name of the piece (A1 in region 0, B1 in region 1 and so on, or as the panel of the moulds), and in brackets its course: 1 "
     "for pieces on supports, or for the lowest piece of a part without supports, 2 for their neighbours, and so on; with a line "
     "to narrow pieces",
-    "SEAM": "number of the seam, as on the sheets, beside it, or with a line to a short seam",
+    "SEAM": "number of the seam, as on the sheets; beside the seam, or joined by a line to a short one",
     "MARK": "triangle with its tip at a supported point",
 }
 
@@ -155,7 +155,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
     corner = f"; the lower left corner of this plan lies at {origin} of the model" if is_plan(first) else ""
     notes = [
         f"drawn 1:1, {seen_from(first)}{corner}",
-        "pieces lie on their sheets turned; the numbers of seams show how",
+        "pieces are rotated on their sheets; the numbers of their seams show the rotation",
         "heights: see the pieces in place, in the separate file -o NAME.3dm",
     ]
     if len(used) > 1:

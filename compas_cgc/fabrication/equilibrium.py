@@ -72,9 +72,9 @@ def membrane(
     edge_beams
         Whether free edges have beams that carry the forces of the surface. Few surfaces are in equilibrium without beams.
     close
-        Whether to slide inner vertices along the surface until triangles close as with the measure exact, where edge forces by
-        the formula are far from equilibrium under pressure, as on irregular meshes. A remark gives the distance. If sliding
-        fails, edges inside regions are flipped too, so that the mesh of the state has other faces.
+        Whether to slide inner vertices along the surface until the equations of the measure exact are satisfied. This is done if the
+        edge forces by the formula are far from equilibrium under pressure, as on irregular meshes. A remark gives the distance. If
+        sliding fails, edges inside regions are flipped too, so that the mesh of the state has other faces.
     rough
         Whether to accept a surface with the verdict rough, see :class:`compas_cgc.analysis.Verdict`.
 
@@ -141,8 +141,8 @@ def _slid(exact: MembraneState, state: MembraneState) -> MembraneState:
     else:
         without = f"without sliding, equilibrium needs edge forces that deviate from the formula by {100 * state.correction:.3g} %"
     said = (
-        f"vertices were slid by up to {unit * far:.3g} mm along the surface, and by up to {unit * away:.2g} mm off it, until triangles "
-        f"close as with the measure exact{_turned(problem.faces, slid.faces)}; {without}"
+        f"vertices were slid by up to {unit * far:.3g} mm along the surface, and by up to {unit * away:.2g} mm off it, to satisfy "
+        f"the equations of the measure exact{_turned(problem.faces, slid.faces)}; {without}"
     )
     return replace(exact, moved=far, remarks=(said, *exact.remarks))
 

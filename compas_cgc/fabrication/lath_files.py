@@ -38,7 +38,7 @@ PLAN_TEXT = 0.012  # height of the numbers of laths in the plan, relative to its
 MEANINGS = {
     "CUT": "contour of the strips with their slots, to cut",
     "MARK": "splice",
-    "LABEL": "number of the lath, on strips to engrave: station 0 is at the left of its upright text; in the plan with a line to station 0",
+    "LABEL": "number of the lath; on strips, to engrave: station 0 is left of the upright text; in the plan, a line joins it to station 0",
     "FAMILY_0": "axes of the laths of family 0, in plan",
     "FAMILY_1": "axes of the laths of family 1, in plan",
     "OUTLINE": "edge of the surface, in plan",
@@ -112,9 +112,13 @@ def _slots(angles: FloatArray, schedule: LathSchedule) -> FloatArray:
 def _notes(schedule: LathSchedule) -> list[str]:
     """Return the conventions of the schedule and the drawing."""
     near = [f"L{lath.number} at node {node}" for lath in schedule.laths for node in _near_ends(lath, schedule)]
-    ends = [f"nodes closer than the width to an end, where the rest of the lath may break off: {', '.join(near)}"] if near else []
+    ends = (
+        [f"nodes closer to an end than the width of the lath, where the piece beyond the slot may break off: {', '.join(near)}"]
+        if near
+        else []
+    )
     alone = [f"L{lath.number} ({1e3 * schedule.unit * lath.length:.0f} mm)" for lath in schedule.laths if not len(lath.nodes)]
-    single = [f"laths that cross no other lath, with their ends alone: {', '.join(alone)}"] if alone else []
+    single = [f"laths that cross no other lath, with rows for their ends only: {', '.join(alone)}"] if alone else []
     first, second = (_numbers([lath.number for lath in schedule.laths if lath.family == family]) for family in (0, 1))
     mm, lengths = 1e3 * schedule.unit, [lath.length for lath in schedule.laths]
     splices = (
@@ -131,7 +135,7 @@ def _notes(schedule: LathSchedule) -> list[str]:
         f"{outside_note(schedule.above)}; the width of the laths lies along the normals",
         "station 0 is the start of a lath, in the drawing its left end and in the plan the end beside its number; left and right: for an "
         "observer outside who looks from station 0 along the lath",
-        f"strips: the lower edge lies inside; the face towards the viewer is the right one; {schedule.unit * sum(lengths):.1f} m in all",
+        f"strips: the lower edge is the inner one, the face towards the viewer the right one; {schedule.unit * sum(lengths):.1f} m in all",
         "twist: rotation about the axis per metre, positive for a right-handed screw: the far end is turned clockwise, seen from station 0",
         "bending radius: about the weak axis, positive if the lath bends to the left, negative if to the right, empty where it is "
         f"straight: where the bow is below {1e3 * MIN_BOW:g} mm over {STRAIGHTEDGE:g} m, or over the length of a shorter lath",

@@ -247,7 +247,8 @@ class MouldReport:
         names = [f"{fit.panel.name} ({two_digits(self.bending_radius(fit))} m, {two_digits(fit.stress_95)} MPa)" for fit in order]
         return [
             f"NOT BUILDABLE like this: {len(broken)} of {counted(len(self.panels), 'panel')} are bent beyond the strength of "
-            f"{self.thickness:g} mm {own.title}, up to {100 * most / strength:.0f} % of it on 95 % of the area of the worst panel alone "
+            f"{self.thickness:g} mm {own.title}, and the stress on 95 % of the area of the worst one is "
+            f"{100 * most / strength:.0f} % of it "
             f"({two_digits(1e-6 * most)} of {1e-6 * strength:g} MPa, without safety factor). Panels, each with the radius of the cylinder "
             f"to which a flat sheet would be bent to reach the same stress, and this stress: {listed(names, SCHEDULE)}. Make these panels "
             "in their final shape (hot bending, casting) instead of bending them from a mould of constant K, use sheets of at most "
@@ -259,7 +260,7 @@ class MouldReport:
         others = [own for own in self.panels if not own.singular]
         if not 0 < len(others) < len(self.panels):
             return ""
-        return f", {two_digits(_percentile_95(others))} MPa without the panels in which it depends on the mesh"
+        return f", {two_digits(_percentile_95(others))} MPa without the panels at places of unbounded curvature"
 
     def _singular(self) -> list[str]:
         names = [own.panel.name for own in self.panels if own.singular]

@@ -54,7 +54,7 @@ _HEAD = (
     "corners in mm",
     "remarks",
 )
-MEAN_PLANE = "mean plane: through the mean of the mesh vertices of the panel, turned so that its outline encloses most area in it"
+MEAN_PLANE = "mean plane: through the mean of the mesh vertices of the panel, oriented so that the projected outline has the largest area"
 FLAT_TRIANGLES = "lengths, sizes and areas are those of the flat triangles of the model, not of the smooth surface"
 NOTES = (
     "lengths in mm, in position, seen from outside, the side to which the normals point; sides are counterclockwise from corner 1",
@@ -64,13 +64,14 @@ NOTES = (
     MEAN_PLANE,
     f"{FLAT_TRIANGLES}; edges of the triangles lie up to the given distance from it",
     "sides: along the outline, from each corner to the next; neighbours in the same order; edge: edge of the roof",
-    "diagonals: straight distances between corners that are no neighbours, in the order 1-3, 1-4, ..., 2-4, ...",
+    "diagonals: straight distances between corners that are not adjacent, in the order 1-3, 1-4, ..., 2-4, ...",
     "mould radius: 1/sqrt|K|, the radius of a sphere, or of a pseudosphere for K < 0, at the middle of the thickness: the face of a mould "
     "lies half a thickness beside it; the shape of a pseudosphere, or of a spindle, bulge or hyperboloid of least bending, is in the .3dm "
     "or .step file of the moulds",
-    "bending stress: largest stress of bending from the mould into position; stress on 95 %: that 95 % of the area of the panel does not "
-    "exceed; part of strength: of the latter, of the characteristic bending strength without safety factor; above 100 % the panel breaks",
-    "panels have the size of the surface at the middle of their thickness and meet edge to edge: no joint is taken off, and no holes, "
+    "bending stress: largest stress of bending from the mould into position; stress on 95 %: not exceeded on 95 % of the area of the "
+    "panel; part of strength: stress on 95 % relative to the characteristic bending strength without safety factor; above 100 % the panel "
+    "breaks",
+    "panels have the size of the surface at the middle of their thickness and meet edge to edge: no gap is left for joints, and no holes, "
     "fixings or tolerances are included",
     "corners: (x, y, z) from the origin of the model, x and y in plan, z up, from corner 1 to the last",
 )

@@ -52,14 +52,14 @@ NOTES = (
     "course: suggested order of assembly, 1 for pieces on supports, or for the lowest piece of a part without supports, 2 for "
     "their neighbours, and so on",
     "on edge of sheet: a side of the piece lies on the edge of its sheet and is not trimmed",
-    "bends: away from the viewer who sees the piece from outside, or towards, or both; least bending radius: in position, across rulings "
-    "for K = 0, otherwise the smaller principal radius, on 95 % of the area of the piece",
+    "bends: direction in which the edges of the piece bend, for a viewer outside: away from the viewer, towards, or both; least bending "
+    "radius: in the final position, across rulings for K = 0, otherwise the smaller principal radius; not smaller on 95 % of the area",
     f"{UNKNOWN}: no radius is known, because no ruling crosses the piece; bend it by hand until its seams meet those of its neighbours",
     "mould: surface of constant K on which a piece with K other than 0 is pressed before it is bent to its place",
     "strain: largest stretch or compression of pressing; seam difference: largest difference in length between the two flat sides of one "
     "of its seams, and the number of this seam; the edge table (the separate file -o NAME.csv) has all lengths",
-    "piece: a letter for the region (A for 0) and a number, or the name of a panel if joints of panels were given; only then are pieces "
-    "the panels of the mould report",
+    "piece: a letter for the region (A for 0) and a number; if the surface was divided into panels, the name of the panel, as in the "
+    "mould report",
     "sharpest corner: between two sides of the outline, before kerf and allowance",
 )
 

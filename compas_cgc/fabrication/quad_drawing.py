@@ -29,9 +29,9 @@ GAP, TEXT, ARROW = 0.1, 0.05, 0.25  # distance of faces, height of texts and len
 BEAM_TEXT = 0.15  # largest height of numbers of beams and nodes, relative to the length of the beam
 BEAM_ROOM = 0.5  # part of the way from a side to the middle of a face at which the number of the beam is centred at most
 MEANINGS = {
-    "CUT": "outline of a face or beam between the axes of the nodes; no joint is taken off",
+    "CUT": "outline of a face or beam between the axes of the nodes; no gap is left for joints",
     "MARK": "arrow in a face along its first side, from its first node to the second; beams: the side that lies along the faces",
-    "LABEL": "number of the face or beam, upright when it is read like this text",
+    "LABEL": "number of the face or beam; turn the part until its number is upright",
     "SEAM": "beam along the side",
     "NODE": "node at the corner",
     "SHEET": "title",

@@ -81,9 +81,10 @@ def quad_notes(quads: PlaneQuads) -> list[str]:
         f"{outside}; faces are seen from outside, their nodes are counterclockwise",
         "sides of a face: from each node to the next, in order; diagonals: from the first node to the third, from the second to the fourth",
         "planarity: largest distance between the diagonals of four consecutive corners",
-        "faces end at the axes of the beams: no joint is taken off, and no thickness of faces or beams is assumed; no holes or tolerances "
+        "faces end at the axes of the beams: no gap is left for joints, and no thickness of faces or beams is assumed; "
+        "no holes or tolerances "
         "are included; material and thickness are the engineer's choice",
-        f"beams are plates across the faces, from the nodes to their depth {'outside' if outwards else 'inside'}; their length is that "
+        f"beams are plates perpendicular to the faces, on their {'outside' if outwards else 'inside'}; depth: from the nodes; length: "
         "between the nodes; the engineer chooses their thickness",
         "twist: distance between the diagonals of a beam, 0 if it is plane; a twisted beam is drawn with its true sides, bent along the "
         "diagonal; angle between faces: between their normals, positive if convex, empty at the edge of a region; far from, far to: the "

@@ -277,7 +277,7 @@ def _notes(patterns: Patterns) -> list[str]:
         off = [own for own in patterns.straightness.values() if own.median <= MAX_BOW]
         notes.append(
             f"rulings deviate from straight lines by {100 * max(own.median for own in off):.2g} % of their length (median); "
-            "a ruling without a number has no room for it: see the cut list; a piece without rulings in a region with rulings is bent as "
+            "if there is no room for the radius of a ruling, see the cut list; a piece without rulings in a region with rulings is bent as "
             "well, by hand until its seams meet those of its neighbours, as no radius is known"
         )
     return [*notes, *remarks(patterns)]

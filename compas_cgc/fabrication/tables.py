@@ -23,8 +23,8 @@ __all__ = ["csv_text", "edge_table", "edge_table_text", "escaped", "unescaped"]
 _FORMULA_MARKS = frozenset("=+-@\t\r")  # first characters of formulas in spreadsheets
 NOTES = (
     "from, to: numbers of the nodes, as on the sheets; lengths are exact, without rounding to a tolerance",
-    "kind: fold and inner lie within a piece, fold is folded and inner is only rolled or pressed; cut and seam: joint with the piece "
-    "beyond; crease: joint with a kink; edge: edge of the roof",
+    "kind: fold: folded edge within a piece; inner: edge within a piece that is only rolled or pressed; cut, seam: joint with the adjacent "
+    "piece; crease: joint with a kink; edge: edge of the roof",
     "angle: between the two triangles of the model along the edge, positive if convex seen from outside; 0 along outlines",
 )
 _HEAD = ("piece", "from", "to", "kind", "length in space in mm", "length in plane in mm", "angle in degrees", "seam", "beyond")

@@ -158,7 +158,7 @@ _JOINTS = (
     ),
     BuildOption(
         "shortest",
-        "length in mm of seams below which joints are moved if possible, or named in the report (default: 100)",
+        "shortest length of a seam in mm; joints are moved to avoid shorter seams, and the report names those that remain (default: 100)",
         values.millimetres,
         {**_LENGTH, "default": 100.0},
         "MM",
@@ -282,7 +282,8 @@ TASKS: dict[str, Task] = {
                 BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.length, _LENGTH, "D"),
                 BuildOption(
                     "whole",
-                    "do not divide the parts between creases and seams; refuse parts larger than a sheet (default: yes if seams are given)",
+                    "keep every part between creases and seams in one piece, and refuse parts larger than a sheet "
+                    "(default: yes if seams are given)",
                     values.truth,
                     {"type": "boolean"},
                 ),
@@ -367,7 +368,7 @@ TASKS: dict[str, Task] = {
                 ),
                 BuildOption(
                     "close",
-                    "sliding of vertices along irregular meshes, which corrects the edge forces (default: yes)",
+                    "correction of the edge forces on irregular meshes, by sliding vertices along the surface (default: yes)",
                     values.truth,
                     {"type": "boolean", "default": True},
                 ),

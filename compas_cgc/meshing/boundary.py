@@ -67,7 +67,7 @@ def _boundary_loops(F: IntArray) -> list[IntArray]:
 
 @names_what_was_meant()
 def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray:
-    """Return the boundary vertices with a name.
+    """Return the boundary vertices that are selected by a name, such as ``corners``.
 
     Parameters
     ----------

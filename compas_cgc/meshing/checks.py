@@ -22,7 +22,7 @@ from .splitting import corner_fans
 __all__ = ["Diagnostic", "listed", "mesh_problems"]
 
 
-_SPLIT = "give each part vertices of its own (read the file with manifold=True, or --manifold)"
+_SPLIT = "separate the parts (read the file with manifold=True, or --manifold)"
 
 
 class Diagnostic(Sentence):

@@ -67,8 +67,8 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     edge = mean_edge(vertices, quads)
     reach = min(tolerance, 0.01 * edge)
     if tolerance > edge > 0.0:
-        far = f"points up to {reach:.3g}{unit} apart were welded, not {tolerance:.3g}{unit}, which is longer than an edge of the mesh"
-        notes.append(f"{far}, {edge:.3g}{unit} on average; check its unit")
+        far = f"the welding distance of {tolerance:.3g}{unit} is longer than the mean edge of the mesh, {edge:.3g}{unit}"
+        notes.append(f"{far}; {reach:.3g}{unit} was used instead; check the unit of the distance")
     welded = weld(vertices, quads, reach)
     merged = int(np.count_nonzero(used)) - len(welded.vertices)
     if merged:

@@ -40,7 +40,7 @@ class Overload(NamedTuple):
 
 def too_much(K: float, most: float) -> str:
     """Return the message about a target above the limit `most` of a plane boundary [1/L^2]."""
-    said = f"the target {K:.4g} is more than this boundary can carry: no surface over its plane has K̄ above {most:.4g}; "
+    said = f"the target {K:.4g} is too large for this boundary: no surface over its plane has K̄ above {most:.4g}; "
     if K > 1e4 * most:
         # A factor of 1000 in length is a factor of 1e6 in K.
         return said + f"check the units: K is in 1/(model unit)², and {K:.4g} 1/m² is {1e-6 * K:.4g} 1/mm²"

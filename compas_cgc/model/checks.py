@@ -250,7 +250,7 @@ def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
     return [
         Diagnostic(
             f"{which} (smallest angle {angles.min():.2g} degrees) where K̄ < 0, the worst at vertices {worst}; the measure exact may "
-            "stretch them until the surface is rough: mesh it more evenly",
+            "stretch them further and make the surface rough; use a more regular mesh",
             fatal=False,
         )
     ]

@@ -316,14 +316,14 @@ class Mirror(Constraint):
 
 @dataclass(frozen=True)
 class Proximity(Constraint):
-    """Keep vertices nearer to the input than others: a factor on the setting ``nearness``.
+    """Keep some vertices closer to the drawing, by a factor on the setting ``nearness``.
 
     Parameters
     ----------
     vertices
         Indices of the vertices.
     weight
-        Factor on ``nearness`` for them; 1 treats them like the rest of the surface.
+        Factor on ``nearness`` at these vertices; with 1 they are treated like all others.
 
     Examples
     --------

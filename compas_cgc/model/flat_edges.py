@@ -28,7 +28,7 @@ def saddle_in_flat_edge(problem: CGCProblem) -> list[Sentence]:
     if not (problem.roles[edge] == FIXED).all() or plane_of(problem.vertices[edge])[1] > NEGLIGIBLE:
         return []
     text = (
-        "no surface has K < 0 within this edge, all of which is held in a plane: with K < 0 it lies within the convex hull of its edge; "
-        "free a part of the edge, lift some of it, or use K > 0"
+        "no surface has K < 0 within this edge, because the whole edge is supported in a plane, and a surface with K < 0 lies within the "
+        "convex hull of its edge; free a part of the edge, lift a part of it, or use K > 0"
     )
     return [Sentence(text, [Remedy("scale", -1.0)])]

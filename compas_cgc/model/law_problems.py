@@ -29,9 +29,10 @@ def law_problems(problem: CGCProblem) -> list[Diagnostic]:
     sought = bool(unknown) or (bool(problem.goals) and not has_free_edges(problem))
     if sought and not finds_constants(problem):
         text = (
-            "beside laws other than constant K, heights of vertices and goals of the whole surface are at most one for each region whose "
-            "constant is unknown (unknown=[region], --unknown, or the goal Unknown), unless edges are free; the constant drawn there, such "
-            "as 0.1 of H = 0.1, is the initial guess and must not be 0"
+            "with laws other than constant K and without free edges, there can be only one height of a vertex or goal of the whole surface "
+            "for each region with an unknown constant (unknown=[region], --unknown, or the goal Unknown); the constant "
+            "in the drawing, such "
+            "as 0.1 in H = 0.1, is the initial guess and must not be 0"
         )
         problems.append(Diagnostic(text))
     for region, law in problem.laws.items():

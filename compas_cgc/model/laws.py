@@ -50,8 +50,8 @@ class Law:
     """A relation f(H, K) = 0 between the mean curvature H and the Gaussian curvature K.
 
     H is the mean of the principal curvatures, positive where the surface is convex towards the side of its normals: a dome over
-    a plan whose normals point up has H > 0, a sphere with outward normals H = 1/r. A subclass defines the methods below, and
-    nothing else in the package has to know it. A law f = g(H, K) - c whose constant c may be an unknown also defines
+    a plan whose normals point up has H > 0, a sphere with outward normals H = 1/r. A subclass defines the methods below; no
+    other part of the package needs to be changed for a new law. A law f = g(H, K) - c whose constant c may be an unknown also defines
     :attr:`constant` and :meth:`with_constant`.
 
     Examples
@@ -295,7 +295,7 @@ class ConstantMeanCurvature(_Linear):
         highest = 0.5 * length / area
         if abs(self.h) <= highest:
             return ""
-        return f"a length of {length:.3g} around an area of {area:.3g} carries |H| up to {highest:.3g} only; prescribe a smaller H"
+        return f"within a boundary of length {length:.3g} around an area of {area:.3g}, |H| is at most {highest:.3g}; prescribe a smaller H"
 
     def __str__(self) -> str:
         return f"H = {float(self.h)!r}"
@@ -398,7 +398,9 @@ class LinearWeingarten(_Linear):
 
     @property
     def description(self) -> str:
-        return "offsets of surfaces of constant K or constant H; curvatures depend on each other, so that nodes repeat"
+        return (
+            "offsets of surfaces of constant K or constant H; one principal curvature determines the other, so that shapes of nodes repeat"
+        )
 
 
 def _checked(value: object, name: str) -> None:

@@ -88,7 +88,7 @@ class Verdict:
     waviness
         95th percentile by area of the distance of vertices from the fits over the sagitta of these.
     bulging_both_ways
-        Share of the area with K > 0 that bulges to the other side than most of their region.
+        Part of the area with K > 0 that bulges to the side opposite to most of its region.
     sharpest_fold
         Largest angle between two faces, without creases [degree].
     folds_too_sharp
@@ -96,8 +96,8 @@ class Verdict:
     smallest_angle
         Smallest angle of a triangle [degree].
     area_kept
-        Area over that of the input in plan, of which a surface over the same rim has no less; over its whole area where it has no
-        plan; None without an input.
+        Area relative to the area of the plan of the input, which is the smallest possible area over the same rim; relative to the
+        area of the input if it has no plan; None without an input.
     places
         Indices of the vertices where a rough surface is rough, without dummies.
 

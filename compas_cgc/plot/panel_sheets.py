@@ -246,7 +246,7 @@ def panel_figure(own: PanelSheet, title: str = "", sheets: Sequence[PanelSheet] 
     figure.text(0.05, 0.95, f"{title} panel {own.fit.panel.name}".strip(), fontsize=13, color=INK, weight="bold")
     about = (
         f"{_seen([own])}, in its mean plane, lengths in millimetres, at the middle of the thickness; panels meet edge to edge: "
-        "no joint is taken off"
+        "no gap is left for joints"
     )
     notes = [line for note in (about, MEAN_PLANE, shapes_note(own.unit)) for line in textwrap.wrap(note, MAX_ABOUT)]
     figure.text(0.05, 0.935, "\n".join(notes), fontsize=7, color=INK, va="top", linespacing=1.4)

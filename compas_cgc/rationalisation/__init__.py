@@ -1,4 +1,4 @@
-"""Rationalisation: the surface nearest to a freeform design whose panels come off few moulds."""
+"""Rationalisation: the surface with panels from few moulds that is nearest to a freeform design."""
 
 from __future__ import annotations
 

@@ -143,7 +143,7 @@ def read_design(
     FileError
         If the file cannot be read or holds no surface.
     MeshError
-        If no smooth surface is near a mesh, or it has several parts or handles.
+        If no smooth surface can be fitted to the mesh within the tolerance, or the mesh has several parts or handles.
     CGCError
         If it is no design.
 

@@ -115,7 +115,7 @@ def sweep(design: DesignInput, moulds: Sequence[int] = MOULDS, *, callback: Opti
     moulds
         Numbers of moulds.
     callback
-        As in :func:`~compas_cgc.rationalise`; a cancelled sweep ends with what is done.
+        As in :func:`~compas_cgc.rationalise`; a cancelled sweep returns the numbers of moulds that are finished.
     options
         Panels, seams, supports and the like, as in :func:`~compas_cgc.rationalise`.
 

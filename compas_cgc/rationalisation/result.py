@@ -26,7 +26,7 @@ __all__ = ["Rationalised"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rationalised:
-    """A design made of panels that come off few moulds.
+    """A design made of panels from few moulds.
 
     Parameters
     ----------

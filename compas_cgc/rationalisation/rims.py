@@ -48,7 +48,7 @@ def rims_of_closed(domain: FloatArray, period: FloatArray, holes: Sequence[Float
             for j in shifts[1]:
                 area = area.difference(shapely.make_valid(shapely.Polygon(line + whole * [i, j])))
     if area.geom_type != "Polygon":
-        raise MeshError("holes of the closed design meet around it; divide it into parts there")
+        raise MeshError("the holes of the closed design together separate it into parts; divide the design there")
     return [shapely.get_coordinates(ring)[:-1] for ring in (area.exterior, *area.interiors)]
 
 

@@ -80,10 +80,10 @@ def rationalise(
     weights: ArrayLike = (),
     callback: Watch = None,
 ) -> Rationalised:
-    """Return the surface nearest to a freeform design whose panels come off few moulds.
+    """Return the surface with panels from few moulds that is nearest to a freeform design.
 
-    The panels lie between seams on the design. Every panel gets one of the values of K, and the surface with exactly these K is
-    solved; assignment and values minimise its distance from the design.
+    Seams divide the design into panels. Every panel is assigned one of a few values of K, and the surface with exactly these K is
+    solved. The values and the assignment minimise the distance of this surface from the design.
 
     Parameters
     ----------
@@ -91,31 +91,31 @@ def rationalise(
         A NURBS surface (:class:`~compas_cgc.rationalisation.SplineSurface`), the path of a file, a COMPAS mesh, or vertices and
         faces.
     moulds
-        How many, or the radii of moulds that exist: positive for spheres, negative for saddles, ``inf`` for flat sheets [L].
-        With 1 all panels are flat sheets. None: the fewest that keep the distance ``within``.
+        Number of moulds, or the radii of existing moulds: positive for spheres, negative for saddles, ``inf`` for flat sheets [L].
+        With 1, all panels are flat sheets. None: the fewest moulds with which the distance does not exceed ``within``.
     panel
         Width of the panels [L]. Default: a twelfth of the longer side.
     seams
         ``"grid"`` along the parameters of a surface or the plan of a mesh; ``"curvature"`` along lines of curvature, or
-        ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K, for few regions, of the numbers of lines that are tried
-        that which leads nearest to the design; ``"faces"`` between the faces of a
-        quad mesh; or points (k, 3) along curves on the design. Default: those drawn in the file, else the grid.
+        ``"geodesics"``, one panel apart; ``"levels"`` along level lines of K, which gives few regions; several numbers of
+        levels are tried, and the surface nearest to the design is returned; ``"faces"`` between the faces of a
+        quad mesh; or points (k, 3) along curves on the design. Default: the seams drawn in the file, otherwise the grid.
     within
-        Largest distance from the design that is allowed [L]; what the surface fitted to a mesh deviates counts in full.
+        Largest distance from the design that is allowed [L], including the deviation of the smooth surface fitted to a mesh.
     flat
-        Whether one of the moulds is flat, K = 0. Default: whichever is nearer to the design.
+        Whether one of the moulds is flat, K = 0. Default: the choice with the smaller distance from the design.
     supports
         Points (k, 3) that are held; ``"corners"``, ``"boundary"`` or ``"none"``. Default: those of the design, else the corners.
     edges
-        Edges of the mesh along the side of a panel. Default: four, or more where panels are few.
+        Edges of the mesh along the side of a panel. Default: four, or more if there are few panels.
     tolerance
         Largest distance between a mesh and the smooth surface fitted to it [L]. Default: as in :func:`read_design`, or less, a tenth of
         ``within``.
     locked
-        Mould, as a position among given radii, of panels that are not to be assigned, by the number of the panel.
+        Panels that keep a given mould: a dict from the number of the panel to the position of the mould in the radii.
     costs
-        Pairs, the cost of making a mould and that of a panel that comes off it, for ``"flat"``, ``"sphere"`` and ``"saddle"`` moulds, in
-        any currency. With ``within``, the cheapest surface that keeps this distance is found, with at most ``moulds`` moulds. Otherwise
+        Pairs of costs, of a mould and of a panel made on it, for ``"flat"``, ``"sphere"`` and ``"saddle"`` moulds, in
+        any currency. With ``within``, the cheapest surface within this distance is found, with at most ``moulds`` moulds. Otherwise
         costs are reported and do not influence the result. Existing moulds cost nothing.
     weights
         Rows (k, 5) of x, y, z, radius, factor: within this radius of the point [L], distances and folds are multiplied by the factor, also
@@ -127,7 +127,7 @@ def rationalise(
     Returns
     -------
     Rationalised
-        Also where the distance is not kept, with a suggestion.
+        If the distance exceeds ``within``, the result contains a suggestion.
 
     Raises
     ------
@@ -308,7 +308,7 @@ def _too_wide(panelling: Panelling, design: Design) -> str:
 def _suggestion(found: Rationalised, within: float, tried: int) -> str:
     """Return what to change so that a distance is kept: distances go about as the width of panels squared, and as one over moulds."""
     fitted, weighted = found.weighted_deviation, "weighted " if found.weighted else ""
-    of_fit = f", {fitted:.2g} of it by the surface fitted to the mesh," if fitted > 0.0 else ""
+    of_fit = f" (of which {fitted:.2g} is the deviation of the surface fitted to the mesh)" if fitted > 0.0 else ""
     if fitted >= within:
         return (
             f"the {weighted}distance of the mesh from the surface fitted to it is up to {fitted:.2g}, more than {within:.3g}; "
@@ -318,6 +318,6 @@ def _suggestion(found: Rationalised, within: float, tried: int) -> str:
     moulds = max(int(np.ceil(len(found.curvatures) * ratio)), tried + 1)
     return (
         f"the {weighted}distance of up to {found.farthest:.3g}{of_fit} exceeds {within:.3g}, "
-        f"the best found for up to {counted(tried, 'mould')}; "
+        f"and no smaller one was found with up to {counted(tried, 'mould')}; "
         f"try {moulds} moulds, or panels narrower by a factor of {np.ceil(20.0 * np.sqrt(ratio)) / 20.0:.3g}"
     )

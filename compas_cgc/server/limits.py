@@ -65,7 +65,7 @@ class Limits:
     conversions
         Largest number of large uploads, of files that are read and of files that are written at once; each holds a thread.
     memory
-        Largest memory of a worker process [bytes], where the system tells it.
+        Largest memory of a worker process [bytes], if the operating system reports it.
     file_seconds, file_memory
         Longest time [s] and largest memory of a process [bytes] for reading a file of a client.
     bodies

@@ -21,7 +21,7 @@ ALL = 20_000  # work of all attempts [right sides]; six seconds for 1,000 vertic
 SMALL = 400  # vertices that smaller meshes are counted as [vertices]; they need as many steps as larger ones, and each takes little time
 REASONS = 2500  # work reserved for a search for the reason of a failure [right sides]; less than a second for 1,000 vertices
 FLOW_STEP = 40  # work of a step of the flow [right sides]; estimate of the time, which affects the work limit only
-GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
+GIVEN_UP = "; this attempt reached the limit on computation, which method='projection' does not have"
 
 
 Found = TypeVar("Found", Solution, Optional[Solution])

@@ -186,7 +186,7 @@ def _between(
         own = judged(run_method(METHODS[then.method], held, settings=settings, options=then.options, callback=callback), posed, callback)
         if own.is_fair:
             lines = " and ".join(["creases"] * bool(len(problem.creases)) + ["free edges"] * has_free_edges(problem))
-            message = joined([own.message, f"between the {lines} of a surface that bends and folds least"], " ")
+            message = joined([own.message, f"{lines} are those of the surface that bends and folds least"])
             return own._replace(message=message, targets=solution.targets)
         if own.status == "cancelled":
             return own

@@ -37,12 +37,12 @@ class Choice(NamedTuple):
     then: tuple[Choice, ...] = ()  # methods for the regions between the lines that were found, the best first
 
 
-BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
-LAWS = Choice("bending", "it alone takes laws other than constant K")
+BENDING = Choice("bending", "it returns the surface that bends and folds least")
+LAWS = Choice("bending", "no other method accepts laws other than constant K")
 DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
-SOUGHT = Choice("bending", "it bends and folds least, and finds K for goals of the whole surface")
-MEETS = Choice("bending", "it bends and folds least, and meets the goals")
+SOUGHT = Choice("bending", "it returns the surface that bends and folds least, and finds K for goals of the whole surface")
+MEETS = Choice("bending", "it returns the surface that bends and folds least, and meets the goals")
 MEASURED = Choice("projection", "the measure was given")
 GOALS = Choice("projection", "it meets goals of all kinds")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
@@ -50,7 +50,7 @@ SMOOTH: Mapping[str, Any] = MappingProxyType({"measure": "smooth"})  # of order 
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
 PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure does not converge")
 BETWEEN = (RIM, PLAIN_RIM)
-DETERMINED = "K̄ > 0 determines regions between fixed edges, creases and free edges that bend and fold least"
+DETERMINED = "K̄ > 0 determines the surface between fixed edges and given creases and free edges"
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K", SMOOTH)
 PLAIN_UNKNOWN = Choice("newton", "one goal determines one unknown K, and the smooth measure does not converge")
 

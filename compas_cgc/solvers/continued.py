@@ -53,7 +53,7 @@ def solved_on(
         None where it leads to no fair one, K changes its sign or a law its type, or neither bending nor the projection is chosen.
     """
     before = problem if problem.origin is None else problem.origin.drawn
-    first = choose(drawn, settings)[0] if method == "auto" else Choice(method, "it was asked for")
+    first = choose(drawn, settings)[0] if method == "auto" else Choice(method, "it was given")
     own = settings_of(METHODS[first.method], settings)
     if first.then:
         # These do not depend on a start.
@@ -80,7 +80,7 @@ def solved_on(
     if solution.faces is None:
         show_arrived(callback, solution.vertices)
     judged = solution.verdict or verdict(solution.with_found(drawn).with_vertices(solution.vertices), drawn.vertices)
-    message = joined([solution.message, f"by the method {first.method}, on from the surface that was found before"])
+    message = joined([solution.message, f"by the method {first.method}, starting from the previous surface"])
     return solution._replace(method=first.method, verdict=judged, message=message) if judged.fair else None
 
 

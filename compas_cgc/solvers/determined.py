@@ -33,9 +33,9 @@ from .projection.limits import with_number
 
 __all__ = ["determining", "held_to_goals", "missed_goal", "numbers_of", "numbers_on", "with_numbers"]
 
-MEND = "ask for another K, or free a part of the rim"
-FIND = Sentence("let K be found (unknown), ", [FOUND])
-HELD = "its goals hold of the one surface that the rim and K determine"
+MEND = "choose another K, or free a part of the rim"
+FIND = Sentence("let the solve determine K (unknown), ", [FOUND])
+HELD = "the surface that the rim and K determine meets the goals"
 DETERMINED = "the rim and K = {:.4g} determine the surface"
 
 

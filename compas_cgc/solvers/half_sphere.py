@@ -35,7 +35,7 @@ def rounder_than_half_a_sphere(problem: CGCProblem) -> str:
     >>> mesh = CGCMesh.from_meshgrid(dx=10.0, nx=10)
     >>> mesh.set_target(5.0)
     >>> rounder_than_half_a_sphere(mesh.to_problem())
-    'K̄ = 5 is that of a sphere of radius 0.447, and a half sphere over the width of 10 has K = 0.04; ask for less'
+    'K̄ = 5 is that of a sphere of radius 0.447, and a half sphere over the width of 10 has K = 0.04; choose a smaller K̄'
     """
     K = float(np.nan_to_num(problem.targets[problem.asked]).max(initial=0.0))
     if not (problem.types[problem.asked] > 0).any() or len(problem.creases):
@@ -44,7 +44,7 @@ def rounder_than_half_a_sphere(problem: CGCProblem) -> str:
     if K * width**2 <= 4.0:
         return ""
     sphere = f"K̄ = {K:.4g} is that of a sphere of radius {K**-0.5:.3g}"
-    return f"{sphere}, and a half sphere over the width of {width:.4g} has K = {4.0 / width**2:.4g}; ask for less"
+    return f"{sphere}, and a half sphere over the width of {width:.4g} has K = {4.0 / width**2:.4g}; choose a smaller K̄"
 
 
 def with_half_a_sphere(problem: CGCProblem, solution: Solution) -> Solution:
@@ -69,7 +69,10 @@ def cap_of_the_rise(problem: CGCProblem) -> str:
     cap = (2.0 * rise / (0.25 * width**2 + rise**2)) ** 2
     if 1.0 / OTHER < float(np.median(targets)) / cap < OTHER:
         return ""
-    text = f"a cap that rises {rise:.4g} over the width of {width:.4g} has K = {cap:.2g}; ask for about that, or let K be found (unknown)"
+    text = (
+        f"a cap that rises {rise:.4g} over the width of {width:.4g} has K = {cap:.2g}; use about this K, or let the solve "
+        "determine K (unknown)"
+    )
     return Sentence(text, [Remedy("targets", float(f"{cap:.2g}")), FOUND])
 
 

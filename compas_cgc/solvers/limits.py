@@ -138,7 +138,7 @@ def raised(
     """
     targets = problem.targets[problem.asked]
     if not len(targets) or not np.isfinite(targets).all() or not targets.any():
-        raise ProblemError(["there is no limit to look for without targets other than zero; say what is asked (mesh.set_target(K))"])
+        raise ProblemError(["the largest target can be searched only from a target other than zero; set one (mesh.set_target(K))"])
     count = len(problem.vertices)
     fewer = max(round(PART * vertices), EACH * (int(problem.regions().max(initial=0)) + 1))
     # Spikes of columns that were pulled out of a sheet hide its plan.
@@ -191,18 +191,18 @@ def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = Fa
 def _found(largest: float, factor: float, beyond: Optional[float], several: bool, coarser: bool) -> str:
     carried = largest * factor
     bound = "up to" if largest > 0 else "down to"
-    what = f"{factor:.3g} times the targets, |K̄| up to {abs(carried):.4g}," if several else f"K̄ {bound} {carried:.4g}"
-    asked = "" if several else f", {factor:.3g} times what is asked" if factor >= 1.0 else f"; {largest:.4g} is asked"
+    what = f"{factor:.3g} times the targets, that is, |K̄| up to {abs(carried):.4g}" if several else f"K̄ {bound} {carried:.4g}"
+    asked = "" if several else f", {factor:.3g} times the target" if factor >= 1.0 else f"; the target is {largest:.4g}"
     surely = beyond is not None and beyond <= SURELY * factor
     more = "" if surely else " or more"
     least = f" (none was found for {beyond * (1.0 if several else largest):.4g})" if beyond is not None and beyond != 1.0 else ""
     where = " on a coarser mesh" if coarser else ""
-    text = f"these supports carry {what}{more} with a fair surface{where}{least}{asked}"
+    text = f"over these supports, fair surfaces were found for {what}{more}{where}{least}{asked}"
     return Sentence(text, [scaled(factor)] if factor < 1.0 else [])
 
 
 def _none(tried: float) -> str:
     return (
         f"no fair surface was found over these supports, not even for K̄ = {tried:.3g}; free an edge, move the supports or "
-        "lead creases between them"
+        "draw creases between them"
     )

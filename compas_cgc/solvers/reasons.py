@@ -42,11 +42,11 @@ OWN = 6000.0  # work on the mesh itself [right sides]; two seconds for 1,000 ver
 WITH_GOALS = 20000.0  # the same with goals [right sides]; solves with goals take more steps
 SMALLEST = 800  # vertices that smaller meshes are counted as [vertices]; a search on them takes as many solves, and little time
 DRAWN_IN = Sentence("with the method projection free edges may leave their drawn lines", [use_method("projection")])
-NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small part of K̄; ask for less of {}")
+NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small fraction of K̄; reduce {}")
 
 LAYOUT = Sentence(
-    "by steps from smaller targets these supports carry what is asked with a fair surface on a coarser mesh; "
-    "so mesh the drawing anew with fewer, even triangles, or draw it nearer to the surface",
+    "on a coarser mesh over the same supports, a fair surface with these targets was found in steps from smaller ones; "
+    "mesh the drawing again with fewer, more regular triangles, or draw it closer to the surface",
     [COARSER],
 )
 
@@ -119,6 +119,8 @@ def _far_from_developable(problem: CGCProblem) -> str:
         return ""
     low, high = np.percentile(K, [10, 90]).tolist()
     return (
-        f"the surface that bends least over these supports has K from {low:.2g} to {high:.2g}, and one of K = 0 is straight one way from "
-        "edge to edge: hold it along two curves or fewer points and let the other edges go free, or lead creases between them"
+        f"the surface that bends least over these supports has K from {low:.2g} to {high:.2g}, but a surface of K = 0 consists of "
+        "straight lines from edge to edge: support it along two curves or at fewer points and free the other edges, or "
+        "draw creases between "
+        "the supports"
     )

@@ -26,7 +26,7 @@ METHODS: dict[str, Method] = {method.name: method for method in (FLOW, NEWTON, P
 
 @names_what_was_meant()
 def register(method: Method) -> Method:
-    """Make a method known to every door.
+    """Register a method, so that all interfaces offer it.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def register(method: Method) -> Method:
 
 @names_what_was_meant()
 def method_names() -> tuple[str, ...]:
-    """Return what a door may ask for: ``auto``, and the methods by name.
+    """Return the names of the methods that can be selected, including ``auto``.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def method_names() -> tuple[str, ...]:
 
 @names_what_was_meant()
 def options() -> dict[str, Option]:
-    """Return every option by the name that doors for designers use; of options of one name that with the most choices stands for all.
+    """Return all options of all methods by name; of options with the same name, the one with the most choices.
 
     Returns
     -------
@@ -116,24 +116,24 @@ def method_of(settings: Settings) -> str:
 
 @names_what_was_meant()
 def settings_for(method: str = "auto", given: Optional[Mapping[str, Any]] = None, **more: Any) -> Optional[Settings]:
-    """Return the settings that options by name make, the same for every door.
+    """Return the settings for options given by name, in the same way for every interface.
 
     Parameters
     ----------
     method
-        With ``auto`` options that belong to one method choose it; those that all have go to whichever is picked.
+        With ``auto``, options of a single method select this method. Options that all methods have do not select one.
     given, more
         Options by their names, ``delay`` for ``e``; None stands for the default.
 
     Returns
     -------
     Settings or None
-        None where nothing is given and the method is to be picked.
+        None if no option is given and the method is ``auto``.
 
     Raises
     ------
     ValueError
-        If there is no such method or option, it belongs to another method, or a value is out of its range.
+        If the method or an option does not exist, an option belongs to another method, or a value is out of its range.
 
     Examples
     --------

@@ -56,12 +56,12 @@ def _instead(name: str) -> str:
     if name in options():
         return f"it is a setting: solve(mesh, settings={{{name!r}: ...}})"
     if name in ON_THE_MESH:
-        return f"it is said of the mesh before: mesh.{ON_THE_MESH[name]}"
+        return f"set it on the mesh before the solve: mesh.{ON_THE_MESH[name]}"
     if name in ("rise", "height", "volume", "clearance"):
         return f"it is a goal: solve(mesh, goals=[compas_cgc.{name.capitalize()}(...)])"
     # tol, tolerances, max_steps: a part of a name is no misspelling of it. Symbols of the paper are parts of any word.
     meant = next((each for each in options() if min(len(name), len(each)) > 2 and (name in each or each in name)), None)
-    return f"settings have a place of their own: solve(mesh, settings={{{meant!r}: ...}})" if meant else ""
+    return f"give settings in a dict: solve(mesh, settings={{{meant!r}: ...}})" if meant else ""
 
 
 @names_what_was_meant(_instead)
@@ -82,27 +82,27 @@ def solve(
     Parameters
     ----------
     problem
-        A mesh or problem with supports, creases, targets and goals; it is not changed. A result, its problem or its mesh with
-        other targets goes on from the surface that was found.
+        A mesh or problem with supports, creases, targets and goals; it is not changed. If it is a result, or the problem or mesh of a
+        result with other targets, the solve starts from the surface of this result.
     method
         ``"auto"`` (default)
-            Picks one of the others by the problem and the settings, says which and why,
-            and tries the next when one stalls.
+            Selects one of the other methods from the problem and the settings, reports the
+            choice, and tries the next method if one stalls.
         ``"flow"``
             The paper's filtered Gaussian curvature flow with its strategies for creases,
-            for K̄ >= 0, finished by Newton's method.
+            for K̄ >= 0, refined by Newton's method.
         ``"newton"``
             One unknown per vertex along its normal; for K̄ > 0 over fixed edges, or from
-            a start near the target; creases are held. The fastest on large meshes.
+            an initial guess near the target; creases are fixed. The fastest method on large meshes.
         ``"projection"``
-            The surface that bends least by angle defects, for K̄ of any sign, with
-            free edges that draw in, creases and goals.
+            The surface that bends least, with K from angle defects, for K̄ of any sign, with
+            creases, goals, and free edges that may leave their drawn lines.
         ``"bending"``
-            The surface that bends and folds least, for K̄ of any sign, with curvature of second
-            order by mid-edge normals, free edges over their drawn lines and goals for heights.
+            The surface that bends and folds least, with K from mid-edge normals (accurate to second
+            order), for K̄ of any sign, with free edges over their drawn lines and goals for heights.
     settings
         :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`, or options
-        by name; with ``"auto"`` settings of one method choose it.
+        by name. With ``"auto"``, settings of one method select this method.
     targets
         K̄ other than those of the problem: a number for all, one per vertex, or a number by region [1/L^2].
     laws
@@ -112,8 +112,8 @@ def solve(
         Requirements besides K, in addition to those of the problem: values such as ``Rise(4)`` and ``Height([12], 3)``, or their
         plain data such as ``{"kind": "rise", "rise": 4}``. Vertices are counted in the order of the mesh.
     unknown
-        Numbers of regions whose K is not given, but found together with the surface; ``"all"`` for all of them. So is that of
-        one region that has no target but a goal such as ``Rise(4)``. The problem of the result carries the K that was found.
+        Numbers of regions whose K is determined by the solve; ``"all"`` for all regions. May be omitted if the mesh is one region
+        without a target and has a goal such as ``Rise(4)``. The problem of the result contains the K that was found.
     callback
         Called with a :class:`~compas_cgc.model.result.SolveState` after every step; return
         True or raise ``StopIteration`` to cancel.
@@ -121,14 +121,14 @@ def solve(
     Returns
     -------
     SolveResult
-        With a copy of the mesh; not converging is a result, not an error.
+        The result, with a copy of the mesh. A solve that does not converge also returns a result.
 
     Raises
     ------
     ProblemError
-        With the fatal sentences of :func:`compas_cgc.check`.
+        If :func:`compas_cgc.check` finds a problem that is fatal; the message contains its sentences.
     ValueError
-        If the method is unknown, or the settings or goals belong to another.
+        If the method does not exist, or does not support the settings or goals.
 
     Examples
     --------
@@ -190,7 +190,7 @@ def _allowed(problem: CGCProblem, solution: Solution) -> Solution:
                 goal = replace(goal, sign=int(np.sign(drawn)))
             slack = NEGLIGIBLE * abs(K)
             if region not in problem.laws and not goal.least - slack <= K <= goal.largest + slack:
-                said = f"the other goals ask for K = {K:.6g} in region {region}, which shall be {goal.words}; change one of them"
+                said = f"the other goals require K = {K:.6g} in region {region}, but it must be {goal.words}; change one of them"
                 return solution._replace(status="infeasible", message=f"infeasible: {said}", verdict=None)
     return solution
 
@@ -222,16 +222,16 @@ def _check_laws(method: str, problem: CGCProblem, settings: Optional[Settings]) 
         return
     measure = "auto" if settings is None else settings.to_dict().get("measure", "auto")
     if measure != "auto":
-        raise ValueError(f"the measure {measure!r} reads constant K only; with other laws leave it at 'auto'")
+        raise ValueError(f"the measure {measure!r} supports constant K only; with other laws, use 'auto'")
     if method != "auto" and not METHODS[method].any_law:
         able = " or ".join(repr(own.name) for own in METHODS.values() if own.any_law)
-        raise ValueError(f"only the method {able} takes laws other than constant K; use it, or 'auto' without settings of another method")
+        raise ValueError(f"only the method {able} accepts laws other than constant K; use it, or 'auto' without settings of another method")
 
 
 def _check_constraints(method: str, problem: CGCProblem) -> None:
     if method != "auto" and not METHODS[method].takes(problem.goals):
         able = " or ".join(repr(own.name) for own in METHODS.values() if own.takes(problem.goals))
-        raise ValueError(f"only the method {able} holds constraints; use it, or 'auto' without settings of another method")
+        raise ValueError(f"only the method {able} supports constraints; use it, or 'auto' without settings of another method")
 
 
 def _run(method: str, problem: CGCProblem, settings: Optional[Settings], callback: Callback) -> Solution:

@@ -42,8 +42,8 @@ from .settings import Settings
 
 __all__ = ["run_auto"]
 
-BELOW = "it goes to the side that it is drawn on, or a goal asks for, away from its normals, along which a flat drawing would go"
-EVENED = "the surface is far from the drawing, whose triangles were laid out evenly over it"
+BELOW = "the surface rises against the normals, because the drawing or a goal lies on that side"
+EVENED = "the surface is far from the drawing; the triangles of the drawing were distributed evenly over the surface"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -152,7 +152,7 @@ def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice
     stopped = (f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged")
     before = list(dict.fromkeys(stopped))
     if any(said.status == "converged" for said, other in tried if other is not choice):
-        before.append("what was found first is rough")
+        before.append("an earlier result was rough")
     # What keeps a surface from being fair matters more than how well K is met on it.
     said = (why, solution.message) if solution.status == "converged" else (solution.message, why)
     method = f"by the method {choice.method}, as {choice.reason}" + (f" ({', '.join(before)})" if before else "")

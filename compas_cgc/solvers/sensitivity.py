@@ -109,7 +109,7 @@ class Sensitivity:
         lift = float(self.height[number]) * (-more if c < 0 else more)
         where = "" if len(self.regions) == 1 else f" in region {self.regions[number]}"
         if abs(lift) <= ROUNDING * self.size:
-            return f"{what}{where} leaves the crown where it is"
+            return f"{what}{where} does not move the crown"
         unit, factor = _SMALLER.get(self.units or "", ("", 1.0))
         amount = f"{abs(lift) * factor:.3g} {unit}".rstrip() if unit else f"{abs(lift):.3g}"
         return f"{what}{where} {'lifts' if lift > 0 else 'lowers'} the crown by {amount}"
@@ -117,20 +117,21 @@ class Sensitivity:
 
 @names_what_was_meant()
 def sensitivity(result: SolveResult) -> Sensitivity:
-    r"""Return the derivatives of a solved surface, of its height, volume and area by the K of every region, or the constant of its law.
+    r"""Return the derivatives of a surface, its height, volume and area by K of each region, or by the constant of its law.
 
-    Of the fairest surface they follow from its optimality system,
+    For the methods ``bending`` and ``projection``, they follow from the optimality system of the fairest surface,
 
     .. math:: \begin{pmatrix} H & J^T \\ J & 0 \end{pmatrix} \begin{pmatrix} dx \\ d\lambda \end{pmatrix}
               = \begin{pmatrix} \lambda_i \nabla A_i \\ A_i \end{pmatrix} dK,
 
-    factorised once for all regions, with H the second derivative of the Lagrangian, that of the angles and areas
-    included; of a surface by Newton's method from moves along its normals, added to the moves of the creases and free edges if these were
-    found first, by bending. In the smooth measure what the layout of the mesh
-    puts into K follows the moves, by differences along them. These are the derivatives of the fairest surface, to some 1e-8; in the
-    smooth measure a solve by projection ends beside that one, and what it returns for other K differs from them by some 3e-4.
-    Constraints of places are held, with the
-    vertices that touch a side; goals of the whole surface go on pushing as they do, but their numbers are let go.
+    which is factorised once for all regions; H is the second derivative of the Lagrangian, including that of angles and areas. For
+    Newton's method, they follow from moves along the normals. If creases and free edges were computed first, by bending, the moves of
+    these are included. In the smooth measure, the change of the layout error is computed by finite differences.
+
+    The relative error of the derivatives of the fairest surface is about 1e-8. In the smooth measure, the projection returns a surface
+    slightly different from the fairest one; the results of solves with other K then differ from the derivatives by about 3e-4.
+    Constraints on the positions of vertices stay satisfied, and vertices on a bound stay on it. The Lagrange multipliers of goals of the
+    whole surface are held constant, so the values of these goals may change.
 
     Parameters
     ----------
@@ -140,12 +141,12 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     Returns
     -------
     Sensitivity
-        With the moves of every vertex and the changes of height, volume and area for each K; printed, a few sentences.
+        The derivatives of the vertices and of height, volume and area by each K; ``str`` returns a few sentences.
 
     Raises
     ------
     ProblemError
-        If the result is not converged, or of another method.
+        If the result is not converged, or is the result of another method.
 
     References
     ----------
@@ -156,14 +157,14 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     >>> import compas_cgc
     >>> result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
     >>> print(compas_cgc.sensitivity(result)) # doctest: +ELLIPSIS
-    0.000177 more K leaves the crown where it is
+    0.000177 more K does not move the crown
     """
     if not isinstance(result, SolveResult):
-        raise CGCError(f"derivatives are those of a solved surface: sensitivity(solve(mesh)), not of {result!r:.60}")
+        raise CGCError(f"sensitivity requires a solved surface, sensitivity(solve(mesh)), not {result!r:.60}")
     if not result.converged:
-        raise ProblemError([f"the surface is {result.status}, not converged; only of one that meets its K there are derivatives by K"])
+        raise ProblemError([f"the surface is {result.status}, not converged; derivatives by K exist only for a converged surface"])
     if result.method not in ("bending", "projection", "newton"):
-        raise ProblemError([f"there are no derivatives of a surface by the method {result.method}; solve it by bending"])
+        raise ProblemError([f"derivatives are not available for the method {result.method}; solve with the method bending"])
     problem = result.problem
     label = problem.regions()
     groups = {region: np.flatnonzero(problem.region_vertices(region) & problem.asked) for region in range(int(label.max(initial=-1)) + 1)}
@@ -219,7 +220,7 @@ def _of_lines(result: SolveResult, regions: Sequence[int]) -> Optional[dict[int,
 def _drawn(result: SolveResult) -> CGCProblem:
     """Return the drawing of a result, with the unknown K that were found."""
     if result.start is None:
-        raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
+        raise ProblemError(["the drawing of this result is not known; solve it again"])
     drawn = result.problem.with_vertices(result.start)
     # Goals that unknown constants meet push nothing.
     return without_constants(drawn) if unknown_constants(drawn) else drawn
@@ -266,10 +267,10 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
     from .projection.system import System
 
     if result.start is None:
-        raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
+        raise ProblemError(["the drawing of this result is not known; solve it again"])
     settings = result.settings if isinstance(result.settings, ProjectionSettings) else ProjectionSettings()
     if result.measure in EXACT:
-        raise ProblemError([f"there are no derivatives in the measure {result.measure}; solve in the measure defect or smooth"])
+        raise ProblemError([f"derivatives are not available in the measure {result.measure}; solve in the measure defect or smooth"])
     posed = result.problem.with_vertices(result.start)
     local, frame = posed.local()
     goals = bind(local, posed.goals)
@@ -317,7 +318,7 @@ def _with_layout(moves: Moves, layout: Callable[[FloatArray], FloatArray]) -> Mo
             left = change - operator.matvec(found)
             if np.abs(left).max() <= PRECISE * np.abs(change).max():
                 return moves(found)
-        raise ProblemError(["what the layout of the mesh puts into K changes too abruptly for derivatives; solve in the measure defect"])
+        raise ProblemError(["the layout error of the mesh changes too abruptly for derivatives; solve in the measure defect"])
 
     return smooth_moves
 

@@ -189,7 +189,7 @@ EXACT_TEXT = (
 @documented
 @dataclass(frozen=True)
 class AutoSettings(Settings):
-    """Settings that all methods share, for the selected method.
+    """Settings that all methods have in common, for use with the method ``auto``.
 
     Examples
     --------

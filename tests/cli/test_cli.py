@@ -179,7 +179,7 @@ def test_too_much_curvature_is_refused_with_the_number(dome, tmp_path, capsys):
     out = tmp_path / "roof.json"
     assert call("solve", dome, "-o", out, "--target", "0.05") == 2
     said = capsys.readouterr().err
-    assert said.startswith("compas-cgc: the target 0.05 is more than this boundary can carry") and "0.0387" in said
+    assert said.startswith("compas-cgc: the target 0.05 is too large for this boundary") and "0.0387" in said
     assert not out.exists()
 
 
@@ -191,7 +191,7 @@ REFUSED = [
     (["solve", "DOME", "-o", "out.json"], "no target curvature is set"),
     (["solve", "DOME", "-o", "out.json", "--law", "H of 2"], "--law: 'H of 2' is not a law; write minimal"),
     (["solve", "DOME", "-o", "out.json", "--law", "7=minimal"], "there is no region 7"),
-    (["solve", "DOME", "-o", "out.json", "--law", "H = 0.3"], "carries |H| up to 0.222 only"),
+    (["solve", "DOME", "-o", "out.json", "--law", "H = 0.3"], "|H| is at most 0.222"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "3"], "s must be between 0 and 1"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--method", "magic"], "method must be one of"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "0"], "steps must be a whole number from 1 up"),

@@ -78,7 +78,7 @@ def test_moulds_panels_and_labels_on_layers(solved, result, tmp_path, capsys):
     figures_of = {own["panel"]: own for own in record["panels"]}
     for name, mesh, text in found["CGC Moulds::Panels in place"]:
         own = figures_of.pop(name)
-        assert float(text["not bent misses mm"]) == own["rigid"] and own["edge_error"] <= 1e-11
+        assert float(text["deviation without bending mm"]) == own["rigid"] and own["edge_error"] <= 1e-11
         (V, F), (W, G) = mesh_to_arrays(mesh), on[name]
         distance, _ = nearest(V, result.vertices)
         assert distance.max() == 0.0

@@ -85,7 +85,7 @@ def test_a_solve_can_be_cancelled(open_server):
 def test_refusals_and_failures_say_why(open_server):
     with pytest.raises(Refused, match="refers to vertex 999"):
         open_server.client.solve(*grid(3), supports=[999], targets=1.0)
-    with pytest.raises(Failed, match="more than this boundary can carry"):
+    with pytest.raises(Failed, match="too large for this boundary"):
         open_server.client.solve(*grid(6), supports="boundary", targets=100.0)
 
 

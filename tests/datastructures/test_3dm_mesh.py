@@ -52,7 +52,7 @@ def test_what_is_drawn_besides_the_curvature_is_held_by_every_way_in(tmp_path):
     for given in (CGCMesh.from_3dm(path), compas_cgc.read(path), read_problem(path).checked()):
         result = compas_cgc.solve(given)
         assert result.converged and result.vertices[top, 2] == pytest.approx(0.5, abs=1e-9)
-    with pytest.raises(ValueError, match="holds constraints"):
+    with pytest.raises(ValueError, match="supports constraints"):
         compas_cgc.solve(CGCMesh.from_3dm(path), method="newton")
 
 

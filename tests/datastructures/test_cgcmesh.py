@@ -368,7 +368,7 @@ REFUSED = [
     (no_target, "vertices 12 have no target curvature; set one for their region"),
     (text_target, "the targets of vertices 12 are not finite numbers ('one'); set finite targets"),
     (stale_crease, "creases 6-7, 7-8 do not follow edges of the mesh; set the creases again"),
-    (lambda: ready(CGCMesh.from_meshgrid(dx=4, nx=4), 0.3), "the target 0.3 is more than this boundary can carry"),
+    (lambda: ready(CGCMesh.from_meshgrid(dx=4, nx=4), 0.3), "the target 0.3 is too large for this boundary"),
 ]
 
 

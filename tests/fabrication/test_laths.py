@@ -150,10 +150,10 @@ def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
     text = " ".join(entity.dxf.text for entity in document.modelspace().query('TEXT[layer=="LEGEND"]'))
     assert "product of the two principal curvatures" in text and "bending strength of timber: 24 MPa" in text
     whole = sum(lath.length for lath in lath_schedule(net).laths)
-    assert f"the lower edge lies inside; the face towards the viewer is the right one; {whole:.1f} m in all" in text
+    assert f"the lower edge is the inner one, the face towards the viewer the right one; {whole:.1f} m in all" in text
     away = {lath.number: np.minimum(lath.stations, lath.length - lath.stations) for lath in lath_schedule(net).laths}
     cut_short = [f"L{number} at node" for number, own in away.items() if (own < 0.1).any()]
-    assert all(name in text for name in cut_short) and ("closer than the width to an end" in text) == bool(cut_short)
+    assert all(name in text for name in cut_short) and ("closer to an end than the width of the lath" in text) == bool(cut_short)
     # The plan has the axes of all laths, at the scale of the model.
     plan = [np.array([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer ? "FAMILY_."]')]
     assert [np.ptp(line, axis=0) for line in plan] == [pytest.approx(1e3 * np.ptp(own.points[:, :2], axis=0)) for own in net.curves]
@@ -298,7 +298,10 @@ def test_notes_state_splices_reading_and_straight_laths(net):
     longest = max(lath.length for lath in schedule.laths)
     assert f"no stock length was given; all laths are in one piece, the longest of {1e3 * longest:.1f} mm" in notes[0]
     assert "stock lengths of at most 3000.0 mm meet end to end" in notes[1] and "no stock length" not in notes[1]
-    for word in ("the lower edge lies inside; the face towards the viewer is the right one", "on the axis of the lath, at half its width"):
+    for word in (
+        "the lower edge is the inner one, the face towards the viewer the right one",
+        "on the axis of the lath, at half its width",
+    ):
         assert all(word in text for text in notes)
     # A bow of 0.5 mm over 2 m is a radius of 1 km.
     lath = max(schedule.laths, key=lambda own: len(own.nodes))

@@ -25,4 +25,4 @@ def test_over_a_circle_of_radius_1_curvatures_below_1_exist_on_coarse_meshes_too
     """They are caps of spheres of radius K^-1/2; a polygon in the circle has less area, and may carry a little more."""
     mesh = disk(rings, 0.9)
     assert mesh.check() == [] and solve(mesh).converged
-    assert any("more than this boundary can carry" in problem for problem in disk(rings, 1.1).check())
+    assert any("too large for this boundary" in problem for problem in disk(rings, 1.1).check())

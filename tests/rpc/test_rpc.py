@@ -84,7 +84,7 @@ def _calls_of(proxy):
 def test_errors_are_sentences_without_traces(proxy):
     for call, part in (
         (lambda: proxy.solve(roof(), method="magic"), "'method' must be one of"),
-        (lambda: proxy.solve(roof(), targets=9.0), "more than this boundary"),
+        (lambda: proxy.solve(roof(), targets=9.0), "too large for this boundary"),
         (lambda: proxy.submit({"dtype": "os/system", "data": {}}), "COMPAS Mesh"),
         (lambda: proxy.status("nobody-here"), "no job"),
         (lambda: proxy.status(), "status cannot be called with these arguments: missing a required argument: 'id'"),

@@ -42,7 +42,7 @@ def test_a_slider_of_a_result_goes_on_and_comes_back(go_on):
     first = here = solve(mesh)
     for K in (1.5, 2.07, 3.0):
         here = go_on(here, K)
-        assert here.converged and here.verdict.fair and "on from the surface" in here.message
+        assert here.converged and here.verdict.fair and "starting from the previous surface" in here.message
         assert np.abs(here.vertices - solve(mesh, targets=K).vertices).max() < 1e-3
     back = go_on(go_on(here, 2.0), 1.0)
     assert np.abs(back.vertices - first.vertices).max() < 1e-6

@@ -45,7 +45,9 @@ def test_they_stay_level_across_the_end_of_a_crease():
 
 def test_a_saddle_within_level_edges_is_told_to_be_none():
     result = solve(roof(K=-0.003), goals=[Level()])
-    assert not result.converged and "no surface has K < 0 within this edge, all of which is held in a plane" in result.message
+    assert (
+        not result.converged and "no surface has K < 0 within this edge, because the whole edge is supported in a plane" in result.message
+    )
 
 
 def test_supports_of_two_heights_on_one_level_edge_are_refused():

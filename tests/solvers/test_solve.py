@@ -342,7 +342,7 @@ def test_settings_and_constraints_of_another_method_are_refused_in_words():
 
     with pytest.raises(ValueError, match="the method 'newton' takes NewtonSettings, not FlowSettings"):
         solve(dome(), method="newton", settings=FlowSettings())
-    with pytest.raises(ValueError, match="only the method 'projection' or 'bending' holds constraints"):
+    with pytest.raises(ValueError, match="only the method 'projection' or 'bending' supports constraints"):
         solve(dome(), method="flow", goals=[Height([0], 1.0)])
     with pytest.raises(ValueError, match="auto, flow, newton, projection, bending"):
         solve(dome(), method="best")

@@ -45,7 +45,7 @@ def test_a_ratio_is_kept(supports):
 
 
 def test_a_ratio_leaves_one_unknown_for_one_goal():
-    with pytest.raises(ProblemError, match="at most for each region of unknown K"):
+    with pytest.raises(ProblemError, match="at most one height or goal of the whole surface for each region of unknown K"):
         solve(halves(), method="bending", goals=[Rise(0.5), Volume(9.0), Unknown([0, 1], ratio=True)])
 
 

@@ -154,7 +154,7 @@ MISTAKES = {
     "targets by region": (lambda: posed().set_target({0: 0.1}), r"one number, .*set_target\(K, region=r\)"),
     "a word for K": (lambda: posed().set_target("steep"), "the target must be a number, not 'steep'"),
     "no number for K": (lambda: posed().set_target(float("nan")), "the target must be a finite number"),
-    "a radius for K": (lambda: solve(only(supports="boundary", K=14.0)), "the target 14 is more than this boundary can carry"),
+    "a radius for K": (lambda: solve(only(supports="boundary", K=14.0)), "the target 14 is too large for this boundary"),
     "metres in millimetres": (lambda: solve(millimetres()), "check the units: .* 0.01 1/m² is 1e-08 1/mm²"),
     "nothing said at all": (lambda: solve(plan()), "no supports.*no target curvature is set"),
     "no supports": (lambda: solve(only(K=0.01)), r"the mesh has no supports; .*set_supports\('boundary'\)"),

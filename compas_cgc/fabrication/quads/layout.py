@@ -78,12 +78,12 @@ def plane_quads(
 ) -> PlaneQuads:
     """Cover regions with K > 0 or constant H by plane quads along lines of curvature, without lines that end inside.
 
-    The lines are the integer lines of a seamless parametrisation. Its singularities lie where the principal curvatures are equal, or,
-    where the surface is nearly a sphere, where the smoothest crosses need them. Corners are moved until all faces are plane.
+    The lines are the integer lines of a seamless parametrisation. Its singularities lie where the principal curvatures are equal. Where
+    the surface is nearly a sphere, they follow from the smoothest field of crosses. Corners are moved until all faces are plane.
 
     Where the mean curvature is constant, as on cushions and soap films, quads are squares: their sides are in proportion to
-    ``1 / sqrt(k1 - k2)``, so that they are larger where the principal curvatures k1, k2 are alike. They end at the rim where it cuts
-    them, whereas lines of regions with K > 0 follow a rim that is a line of curvature.
+    ``1 / sqrt(k1 - k2)``, so that they are larger where the principal curvatures k1, k2 are alike. The rim
+    cuts them off, whereas in regions with K > 0 the lines follow a rim that is a line of curvature.
 
     Parameters
     ----------

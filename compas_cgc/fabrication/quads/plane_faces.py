@@ -47,11 +47,11 @@ class PlaneQuads:
     edges
         (e, 2) beams, as pairs of corners.
     axes
-        (k, 3) axes of the nodes: moved by them, faces keep their distance from faces moved along their normals as well as possible.
+        (k, 3) axes of the nodes: a node moved by its axis has the distance 1 from all faces around it, by least squares.
     twist
         (e,) distance between the diagonals of a beam of this depth between the axes of its ends [L].
     offset_error
-        (f,) largest deviation from the depth of the distance between a face and its corners moved along the axes by the depth [L].
+        (f,) a face has its corners moved along the axes by the depth: largest difference between the depth and their distance from it [L].
     notes
         Sentences on regions without quads.
 

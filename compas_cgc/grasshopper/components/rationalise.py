@@ -1,4 +1,4 @@
-"""Rationalise: the surface nearest to a freeform design whose panels come off few moulds."""
+"""Rationalise: the surface with panels from few moulds that is nearest to a freeform design."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ def _figures(fit: PanelFit) -> dict[str, str]:
         "cap radius": fit.radius,
         "gap mm": fit.gap,
         "edge error": fit.edge_error,
-        "not bent misses mm": fit.rigid,
+        "deviation without bending mm": fit.rigid,
         "change of curvature 1/m": fit.change,
         "stress MPa": fit.stress,
     }

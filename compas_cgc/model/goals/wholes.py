@@ -155,7 +155,7 @@ class Length(Whole):
 
 @dataclass(frozen=True)
 class Unknown(Constraint):
-    """Regions whose K, or the constant of whose law, such as h of H = h, is an unknown of the solve. The value drawn there is a guess.
+    """Regions whose K, or whose constant of another law, is determined by the solve; the drawn value is the initial guess.
 
     Parameters
     ----------

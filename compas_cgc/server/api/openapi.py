@@ -333,7 +333,7 @@ def _design_paths() -> dict:
         "name": "If-Match",
         "in": "header",
         "schema": {"type": "string"},
-        "description": "revision that is replaced; a design is new without it",
+        "description": "revision of the design to replace; without this header, a new design is stored",
     }
     return {
         "/api/v1/designs": {"get": _operation("List the designs, newest first", {"200": _json(DESIGN_LIST)}, "401")},

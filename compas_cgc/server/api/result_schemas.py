@@ -88,7 +88,7 @@ _REPORT = _object(
     other_measures={"type": "object", "additionalProperties": NUMBER, "description": "largest error of K by other measures [1/L^2]"},
     regions={"type": "array", "items": {"$ref": "#/components/schemas/Region"}},
     quality={"$ref": "#/components/schemas/Quality"},
-    max_error={**PLAIN[float], "description": "largest |K - target| by the measure, of curvature and targets [1/L^2]"},
+    max_error={**PLAIN[float], "description": "largest |K - target| in the measure of the solve [1/L^2]"},
     moved_max=NUMBER,
     moved_mean=NUMBER,
 )

@@ -79,7 +79,7 @@ JOB_LIST = {
         "offset": {"type": "integer"},
     },
 }
-_LINK_MODE = {"enum": list(MODES), "description": "whether who has the link may edit a copy, or view only"}
+_LINK_MODE = {"enum": list(MODES), "description": "whether the link opens a copy that can be edited, or a view only"}
 DESIGN = {
     "type": "object",
     "required": ["id", "name", "revision", "changed", "bytes"],

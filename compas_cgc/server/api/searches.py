@@ -178,7 +178,7 @@ SEARCHES: dict[str, Search] = {
         ),
         Search(
             "rationalise",
-            "Find the surface nearest to a freeform design whose panels come off few moulds.",
+            "Find the surface with panels from few moulds that is nearest to a freeform design.",
             (
                 BuildOption(
                     "moulds",

@@ -63,7 +63,7 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                 Output("Moulds", "Mo", "Mesh", "Moulds, one per K."),
                 Output("Mould", "I", "Integer", "Number of the mould of each panel, counted from 0."),
                 Output("Names", "Na", "Text", "Names of the panels: region and number."),
-                Output("Misses", "Mi", "Number", "Deviation of each panel from its position without bending, in mm."),
+                Output("Misses", "Mi", "Number", "Distance of each panel from its final position if it is placed without bending, in mm."),
                 info,
             ),
         ),
@@ -112,7 +112,7 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                     "Whole",
                     "Wh",
                     "Boolean",
-                    "True reports panels between creases that exceed a sheet as an error. False, the default, cuts them.",
+                    "True refuses parts between creases that are larger than a sheet. False, the default, divides them.",
                     default=False,
                 ),
                 Input(

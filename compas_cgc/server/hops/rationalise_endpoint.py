@@ -19,7 +19,7 @@ def rationalise_endpoint(info: Output) -> Endpoint:
     return Endpoint(
         RATIONALISE,
         "CGC Rationalise",
-        "Find the surface nearest to a freeform design whose panels come off few moulds.",
+        "Find the surface with panels from few moulds that is nearest to a freeform design.",
         icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M8 10V19M16 10V19", "#2b7bba"),
         (
             Input("Mesh", "M", "Mesh", "The design as a mesh."),
@@ -30,7 +30,7 @@ def rationalise_endpoint(info: Output) -> Endpoint:
                 "Within",
                 "W",
                 "Number",
-                "Largest distance from the design: the fewest moulds that keep it. Defaults to 0: use Moulds.",
+                "Largest distance from the design, for which the fewest moulds are found. Defaults to 0: use Moulds.",
                 default=0.0,
                 low=0.0,
             ),
@@ -58,7 +58,7 @@ def rationalise_endpoint(info: Output) -> Endpoint:
                 "Costs",
                 "Co",
                 "Number",
-                "Six costs, of a mould and of a panel: flat, sphere, saddle. With Within, the cheapest surface.",
+                "Six costs, of a mould and of a panel, for flat, sphere and saddle moulds. With Within, the cheapest surface is found.",
                 many=True,
                 optional=True,
             ),

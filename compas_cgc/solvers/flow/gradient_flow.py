@@ -200,17 +200,17 @@ def _message(status: str, step: int, error: float, goal: float, problem: CGCProb
         return f"cancelled after {step} steps: {reached}"
     if status == "step_limit":
         if goal == 0:
-            return f"took the {step} steps asked for: {reached}"
-        text = f"not converged in {step} steps: {reached}, asked for {goal:.3g}; allow more steps, or raise filter_radius"
+            return f"stopped after the prescribed {step} steps: {reached}"
+        text = f"not converged in {step} steps: {reached}, but the tolerance is {goal:.3g}; allow more steps, or raise filter_radius"
         return Sentence(text, [more_steps(step)])
     if radius == 0:
         return f"diverged at step {step} without a filter: short waves grow; set filter_radius to a few edge lengths"
     remedies, sphere = [HALVED], rounder_than_half_a_sphere(problem)
     cause = (
-        f"the target is more than the boundary can carry: {sphere}"
+        f"the target is too large for the boundary: {sphere}"
         if sphere
         else (
-            "the target may be more than the boundary can carry (try a smaller K̄, or creases from concave corners), "
+            "the target may be too large for the boundary (try a smaller K̄, or creases from concave corners), "
             "or the steps too long (try a smaller mu0 or a larger q)"
         )
     )

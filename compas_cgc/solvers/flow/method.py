@@ -25,7 +25,7 @@ def _solve(problem: CGCProblem, settings: FlowSettings, callback: Callback) -> S
 
 METHOD = Method(
     "flow",
-    "The paper's filtered Gaussian curvature flow with crease strategies, for K̄ >= 0; Newton's method refines the result.",
+    "The paper's filtered Gaussian curvature flow with crease strategies, for K̄ >= 0, refined by Newton's method.",
     FlowSettings,
     _solve,
     has_dummies=True,

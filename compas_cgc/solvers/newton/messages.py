@@ -55,7 +55,7 @@ def message(
     taken = "1 step" if steps == 1 else f"{steps} steps"
     if status == "converged":
         many = "1 vertex is" if dents == 1 else f"{dents} vertices are"
-        bent = f"; {many} dented, another start may give a smoother surface" if dents and measure != "smooth" else ""
+        bent = f"; {many} dented; another initial surface may give a smoother result" if dents and measure != "smooth" else ""
         return f"converged in {taken}: {reached}{bent}"
     if status == "cancelled":
         return f"cancelled after {taken}: {reached}"
@@ -69,21 +69,23 @@ def message(
 
 def _advice(cause: str, system: System) -> str:
     if (types_of(system.targets) < 0).any():
-        text = "K̄ < 0 somewhere, where K along the normals alone cannot be solved for; use method 'projection', with some edge free"
+        text = "moves along the normals alone cannot solve regions with K̄ < 0; use the method 'projection', and leave an edge free"
         return Sentence(text, [use_method("projection")])
     if cause == "singular":
         loose = _held_nowhere(system)
         if loose >= 0:
-            return f"the part of the mesh around vertex {loose} is held nowhere; fix some of its vertices"
+            return f"the part of the mesh around vertex {loose} has no supports; fix some of its vertices"
         return Sentence(
-            "the equations have no solution near this shape; try a smaller K̄, or a start without flat or folded faces", [HALVED]
+            "the equations have no solution near this shape; try a smaller K̄, or an initial surface without flat or folded faces", [HALVED]
         )
     if (system.targets == 0).any():
-        text = "regions of K̄ = 0 need a start that is bent already, or creases around them; else use method 'projection'"
+        text = (
+            "a region with K̄ = 0 needs an initial surface that is already bent, or creases around it; otherwise use the method 'projection'"
+        )
         return Sentence(text, [use_method("projection")])
     if cause == "start":
-        return "this start is too far from the target; start from a better shape, or let the solve find its own"
-    text = "the target is probably more than this boundary can carry; try a smaller K̄, or a boundary without inward corners"
+        return "the initial surface is too far from the target; give a better one, or use start='auto'"
+    text = "the target is probably too large for this boundary; try a smaller K̄, or a boundary without inward corners"
     return Sentence(text, [HALVED])
 
 

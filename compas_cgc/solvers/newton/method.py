@@ -25,8 +25,8 @@ def _solve(problem: CGCProblem, settings: NewtonSettings, callback: Callback) ->
 
 METHOD = Method(
     "newton",
-    "One unknown per vertex along its normal, for K̄ > 0 over fixed edges or from an initial guess near the target; creases are held. "
-    "The fastest on large meshes.",
+    "One unknown per vertex along its normal, for K̄ > 0 over fixed edges or from an initial guess near the target, with fixed "
+    "creases (the fastest method on large meshes).",
     NewtonSettings,
     _solve,
     goals="whole",

@@ -43,7 +43,7 @@ __all__ = ["newton"]
 
 @names_what_was_meant()
 def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, callback: Callback = None) -> Solution:
-    """Move the internal vertices along their normals until K is the target, to rounding.
+    """Move the internal vertices along their normals until the error of K is at rounding level.
 
     All other vertices stay where they are: fixed ones, dummies, creases, free edges. So
     it serves on its own where the boundaries of the regions are given, and as the finish
@@ -170,11 +170,14 @@ def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equati
         return None
     refuse_impossible(posed)
     if measure in EXACT:
-        text = f"the method newton finds K in the measures smooth and defect, not {measure}; leave it out, or use the method projection"
+        text = (
+            f"the method newton finds an unknown K in the measures smooth and defect only; omit the measure {measure}, or "
+            "use the method projection"
+        )
         raise ProblemError([Sentence(text, [use_method("projection")])])
     goals = bind(local, posed.goals)
     if not held_by_newton(posed):
-        text = "the method newton takes one goal of the whole surface for one unknown K over fixed edges; use the method projection"
+        text = "the method newton accepts only one goal of the whole surface, for one unknown K over fixed edges; use the method projection"
         raise ProblemError([Sentence(text, [use_method("projection")])])
     return goals.equations[0]
 

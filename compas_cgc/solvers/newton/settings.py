@@ -38,8 +38,8 @@ class NewtonSettings(Settings):
     )
     anisotropy: float = option(
         5.0,
-        "First Λ of the elliptic start, which resolves ratios of the principal curvatures up to Λ². Larger values are faster on good "
-        "meshes, smaller values are more robust on bad ones.",
+        "Initial Λ of the elliptic steps, which can represent ratios of the principal curvatures up to Λ². Larger values are faster on "
+        "good meshes, smaller values are more robust on bad ones.",
         float,
         low=1,
     )

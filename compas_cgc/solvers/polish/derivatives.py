@@ -100,5 +100,7 @@ def _solved(own: Lagrangian, here: State, saddle: Saddle, forces: FloatArray, ri
     operator = LinearOperator((len(first), len(first)), matvec=applied, dtype=np.float64)
     solution = nearly_solved(operator, lambda own: own, first, CONVERGED, KRYLOV)
     if solution is None:
-        raise ProblemError(["what goals push with changes too abruptly for derivatives by K; leave out the area or the length"])
+        raise ProblemError(
+            ["the constraint forces of the goals change too abruptly for derivatives by K; leave out goals for areas and lengths"]
+        )
     return solution

@@ -96,8 +96,10 @@ def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = Non
     """
     refuse_impossible(problem)
     if not finds_constants(problem) or not takes_goals(without_constants(problem)):
-        kinds = "one height or goal of the whole surface at most for each region of unknown K, whose initial guess is drawn"
-        raise ProblemError([Sentence(f"the method bending takes {kinds}; use the method projection, or auto", [use_method("projection")])])
+        kinds = "at most one height or goal of the whole surface for each region of unknown K, and needs a drawn K as initial guess"
+        raise ProblemError(
+            [Sentence(f"the method bending accepts {kinds}; use the method projection, or auto", [use_method("projection")])]
+        )
     return _Seeker(problem, settings, callback).run()
 
 

@@ -28,8 +28,8 @@ def _solve(problem: CGCProblem, settings: PolishSettings, callback: Callback) ->
 
 METHOD = Method(
     "bending",
-    "The surface that bends and folds least, for K̄ of any sign, with free edges over their drawn lines, and goals for heights; it "
-    "converges under refinement, up to creases and free edges.",
+    "The surface that bends and folds least, for K̄ of any sign, with goals for heights and free edges over their drawn lines (it "
+    "converges under refinement, also at creases and free edges).",
     PolishSettings,
     _solve,
     goals="places",

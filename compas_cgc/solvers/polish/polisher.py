@@ -69,7 +69,7 @@ __all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 MANY = 1000  # vertices above which branches are found on even triangles first [vertices]; below, this saves no time
 # lengths of even curvature over √area that are tried where K̄ < 0; least bending first, then without branch points (docs/method.md)
 EVEN = (0.0, 0.55, 0.4)
-EVENLY = "its curvature varies evenly over {:g} of the size, without the branch points that least bending has"
+EVENLY = "evenness = {:g} was used, because the surface of least bending has branch points"
 ENERGY_DIGITS = 9  # compared digits of energies; so that rounding errors do not order mirror twins
 ROUNDING = 64.0  # rounding errors of a coordinate that residuals contain at least; second differences over an edge of an eighth of the size
 FIRST = 0.25  # first fraction of the way by which supports are lowered; four steps if none fails
@@ -79,9 +79,10 @@ WAVES = 0.2  # wavelength over √area below which waves of a kept drawing are s
 
 
 TURNED_OVER = (
-    "it lies on the other side of its supports than drawn, where its goals are met; with less curvature it may meet them on the drawn side"
+    "it meets its goals only on the side of the supports opposite to the drawing; with a smaller curvature it may meet "
+    "them on the drawn side"
 )
-OTHER_GOALS = "the method bending moves vertices along fixed directions, which cannot meet all of these goals"
+OTHER_GOALS = "the method bending moves vertices along fixed directions, and such moves cannot meet all of these goals"
 
 
 @names_what_was_meant()

@@ -29,23 +29,23 @@ class PolishSettings(Settings):
     tolerance: float = option(1e-9, TOLERANCE_TEXT, float, above=0)
     fold_length: float = option(
         0.1,
-        "How freely creases fold. Folding a crease takes as much energy as bending a strip of this width beside it, relative to the "
-        "square root of the area. Small: the roof is as smooth as without creases. Large: each region forms its own cushion.",
+        "Width of a strip of the surface that is as hard to bend as a crease is to fold, relative to the square root of the area. "
+        "Small: the roof is as smooth as without creases. Large: each region forms its own cushion.",
         float,
         above=0,
     )
     evenness: Optional[float] = option(
         None,
         "Length over which the curvature varies evenly, relative to the square root of the area. 0: the surface bends as little as "
-        "it can, which leads to branch points over five supports and more with K < 0. About 0.5: to a surface without them. None: the "
+        "possible; with K < 0 and five or more supports, it may then have branch points. About 0.5: no branch points. None: the "
         "first of 0, 0.55 and 0.4 that leads to a fair surface.",
         float,
         low=0,
     )
     keep: str = option(
         "auto",
-        "Part of the drawing that the surface keeps. plan: the plan, heights follow from least bending. shape: the drawn shape, "
-        "without its short waves. auto: the shape where that bends far more than its supports make it, else the plan.",
+        "Part of the drawing that the surface keeps. plan: the plan; heights follow from least bending. shape: the drawn shape, "
+        "without its short waves. auto: the shape if it bends far more than its supports require, otherwise the plan.",
         str,
         choices=("auto", "plan", "shape"),
     )

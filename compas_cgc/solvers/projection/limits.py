@@ -72,7 +72,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Mos
     without = problem.with_goals(problem.goals[:missed] + problem.goals[missed + 1 :], add=False)
     free = found = solve(without, None)
     if free.status != "converged":
-        return Most(f"without {goal_name(goal)} the rest cannot be met either")
+        return Most(f"the other goals cannot be met either, even without {goal_name(goal)}")
     had = number_had(problem, goal, free.vertices)
     others = [own for own in without.goals if has_number(own)]
     beside = f" with {listed([goal_name(own) for own in others])}" if others else _carrying(problem, goal, had)
@@ -93,9 +93,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[Mos
             met, found = middle, other
         else:
             most = middle
-    # Less of a goal is a part of it, and more is not.
-    more = abs(met) > abs(number_of(goal))
-    words = f"{'instead of' if more else 'of'} {goal_name(goal)} about {met:.4g} can be had{beside}"
+    words = f"instead of {goal_name(goal)}, about {met:.4g} is possible{beside}"
     last = solve(problem, found.vertices)
     return Most(words, last if last.status == "converged" and _is_fair(problem, last) else None)
 
@@ -112,7 +110,10 @@ def _carrying(problem: CGCProblem, goal: Constraint, had: float) -> str:
     K = float(targets.min(initial=np.inf))
     if not isinstance(goal, Rise) or not 0.0 < K == float(targets.max(initial=0.0)) < np.inf or not had > 0.0 < goal.rise:
         return ""
-    return f" with K = {K:.4g}, which rises {had:.4g} by itself; K near {K * (goal.rise / had) ** 2:.2g} rises {goal.rise:.4g}"
+    return (
+        f" with K = {K:.4g}; without the goal the surface rises {had:.4g}, and K near {K * (goal.rise / had) ** 2:.2g} "
+        f"rises {goal.rise:.4g}"
+    )
 
 
 def _between(met: float, most: float) -> float:

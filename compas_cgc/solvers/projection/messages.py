@@ -29,13 +29,15 @@ def message(status: str, steps: int, error: float, start_error: float, goal: flo
     """Return the sentence for a status; errors and goal are largest |K - K̄|."""
     reached = f"largest |K - K̄| {error:.3g}" + ("" if measure == "defect" else f" in the {measure} measure")
     if status == "converged":
-        return f"converged in {steps} steps: {reached}" + (", the rounding of this mesh" if error > goal else "")
+        return f"converged in {steps} steps: {reached}" + (", which is at rounding level on this mesh" if error > goal else "")
     if status == "cancelled":
         return f"cancelled after {steps} steps: {reached}"
     if error > start_error:
-        reached += f", more than the {start_error:.3g} of the start"
+        reached += f", larger than {start_error:.3g} of the initial surface"
     if status == "step_limit":
-        return Sentence(f"not converged in {steps} steps: {reached}, asked for {goal:.3g}; allow more steps", [more_steps(steps)])
+        return Sentence(
+            f"not converged in {steps} steps: {reached}, but the tolerance is {goal:.3g}; allow more steps", [more_steps(steps)]
+        )
     return Sentence("{}: {}; the best shape is returned, {}").format(status, why, reached)
 
 
@@ -43,15 +45,15 @@ def laid_out_anew(drawn: Faces, faces: Faces, moved: float) -> str:
     """Return what was done to triangles that leave no room for vertices to slide."""
     turned = int(np.count_nonzero((faces != drawn).any(axis=1)))
     return (
-        f"{turned} of {len(faces)} faces were turned and vertices moved by up to {moved:.3g} along the surface, "
-        "as the triangles drawn are too slender for this K < 0"
+        f"{turned} of {len(faces)} faces were changed by flipping edges, and vertices moved by up to {moved:.3g} along the surface, "
+        "because the drawn triangles are too slender for K < 0"
     )
 
 
 def cause(point: Point, system: System, targets: FloatArray) -> str:
     """Return why nothing better than this was reached, and what to do about it."""
     if not len(system.columns):
-        return "no vertex may move; free some"
+        return "all vertices are fixed; release some supports"
     unmet = blamed(point, system)
     if unmet:
         return unmet
@@ -60,22 +62,23 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
         return _astray(vertex, system)
     if enclosed_negative(system, targets):
         held = int(np.count_nonzero(~np.isin(np.unique(system.faces), system.columns)))
-        return f"a region of negative K needs some free edge, and all {held} vertices of its edge are held; let a side of it go free"
+        return f"a region of negative K needs a free edge, but all {held} vertices of its edge are held; free one of its sides"
     negative = system.rows[types_of(targets[system.rows]) < 0]
     lost = three_faced(system.faces, negative) if len(negative) else negative
     if len(lost):
         return no_saddle(lost)
     if not system.sound.all():
         a, b, c = system.faces[np.argmin(system.sound)].tolist()
-        return f"the face {a}-{b}-{c} has hardly any area; mend the mesh there"
+        return f"the face {a}-{b}-{c} has hardly any area; repair the mesh there"
     if system.torn:
-        return "the faces are not mirrored as the vertices are, so K is asked twice over; turn their diagonals, or take the mirror away"
+        return "the vertices are mirror images of each other, but the faces are not; flip their diagonals, or remove the goal Mirror"
     names = [*(own.name for own in system.goals.equations), *(side.name for side in system.goals.sides)]
     if names:
-        text = f"the supports may not allow this curvature together with {listed(names)}; ask for other values, or choose another K̄"
+        text = f"the supports may not allow this curvature together with {listed(names)}; choose other values, or another K̄"
         return Sentence(text, [HALVED])
     return Sentence(
-        "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start", [HALVED]
+        "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ closer to the curvature of the initial surface",
+        [HALVED],
     )
 
 
@@ -85,10 +88,10 @@ def _astray(vertex: int, system: System) -> str:
     # Their numbers are in the local frame, which is nobody's.
     names = list(dict.fromkeys("the height of vertices" if isinstance(goal, Height) else goal_name(goal) for goal in own))
     if len(own) == 1:
-        text = Sentence("vertex {} cannot fulfil its constraints: {} is out of its reach; move that, or take it away")
+        text = Sentence("vertex {} cannot fulfil its constraints: {} is out of its reach; move or remove it")
         return text.format(vertex, names[0])
     there = Sentence(": {} contradict each other there").format(listed(names)) if len(names) > 1 else ""
-    return Sentence("vertex {} cannot fulfil its constraints{}; take one of them away").format(vertex, there)
+    return Sentence("vertex {} cannot fulfil its constraints{}; remove one of them").format(vertex, there)
 
 
 def blamed(point: Point, system: System) -> str:
@@ -101,8 +104,8 @@ def blamed(point: Point, system: System) -> str:
     if not unmet:
         return ""
     if len(unmet) > 1:
-        return Sentence("{} cannot be met together here; take one of them away, or ask for another value of one").format(listed(unmet))
-    text = f"{unmet[0]} cannot be met with this curvature and these supports; ask for another value, or let K be found (unknown)"
+        return Sentence("{} cannot be met together here; remove one of them, or change the value of one").format(listed(unmet))
+    text = f"{unmet[0]} cannot be met with this curvature and these supports; choose another value, or let the solve determine K (unknown)"
     return Sentence(text, [FOUND])
 
 
@@ -113,7 +116,7 @@ def found(targets: list[float], regions: list[int], goals: int) -> str:
     else:
         said = f"K from {min(targets):.4g} to {max(targets):.4g} was found for {len(regions)} regions"
     if goals < len(regions):
-        said += ", the fairest" + (" that the goals leave open" if goals else ", as no goal asks for another")
+        said += f"; {'the goals do not determine K completely' if goals else 'no goal determines K'}, so it is that of the fairest surface"
     return said
 
 

@@ -202,7 +202,7 @@ class Places:
             vertex = int(np.argmax(gap))
             kind = next((type(own).__name__ for at, own in self.constraints if vertex in at), "constraint")
             raise ProblemError(
-                [f"vertex {vertex} is fixed away from where a constraint wants it; free it, or take it out of the goal {kind}"]
+                [f"vertex {vertex} is fixed, but not where a constraint requires it; free it, or remove it from the goal {kind}"]
             )
 
 

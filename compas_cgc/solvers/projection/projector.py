@@ -68,13 +68,13 @@ __all__ = ["Projector", "project", "ready"]
 READY = 3  # drawings whose matrices are kept; sliders and studies alternate between few
 POLISHING = 4  # steps to a surface that is symmetric to rounding [steps]; Newton's method needs one or two from NEAR
 
-LED = "surfaces with less of the goal lead to it"
+LED = "it was reached in steps, with smaller values of the goal first"
 CLOSE = 0.25  # fraction of the rounding error at which these steps end; the last digits are then those of the symmetric surface
 
 
 @names_what_was_meant()
 class Projector:
-    """A mesh with roles and constraints, for which all that does not change is computed once.
+    """Solver for a mesh with roles and constraints; quantities that do not depend on the targets are computed once.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ class Projector:
             raise MeshError("the mesh has no faces")
         self.settings = settings or ProjectionSettings()
         if self.settings.measure in EXACT and unknown_regions(problem):
-            text = f"the method projection finds no K in the measure {self.settings.measure}; use the method auto, which finds K first"
+            text = f"the method projection cannot find an unknown K in the measure {self.settings.measure}; use the method auto"
             raise ProblemError([Sentence(text, [use_method("auto")])])
         self.problem = guessed(problem)
         drawn, self._frame = self.problem.local()

@@ -51,8 +51,10 @@ class ProjectionSettings(Settings):
     nearness: float = option(1.0, "Weight of the distance to the drawing. Only its ratio to the smoothness matters.", float, above=0)
     smoothness: float = option(
         0.1,
-        "Length below which bending outweighs nearness, relative to the square root of the area, for a nearness of 1. Small: the "
-        "surface stays near the drawing and K is corrected locally. Large: the surface bends as a whole, like a plate.",
+        "Weight of the bending energy: the length, relative to the square root of the area, below which bending counts more than the "
+        "distance to the drawing if nearness is 1. Small: the surface stays near the drawing and K is corrected "
+        "locally. Large: the surface "
+        "bends as a whole, like a plate.",
         float,
         above=0,
     )

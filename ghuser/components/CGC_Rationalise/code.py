@@ -1,6 +1,6 @@
 #! python 3
 # venv: compas_cgc
-"""Find the surface nearest to a freeform design whose panels come off few moulds.
+"""Find the surface with panels from few moulds that is nearest to a freeform design.
 
 COMPAS CGC {{version}}
 """

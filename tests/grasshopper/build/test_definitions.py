@@ -298,7 +298,7 @@ def test_a_dome_by_hops(canvas, open_server):
     assert max(p.Z for p in opened.out(values, "CGC Dome", "Mesh")[0].Vertices) > 0.5
     opened.set["curvature K"] = [1.0]
     opened.solution()
-    assert "more than this boundary can carry" in opened.balloons("Error")[0]
+    assert "too large for this boundary" in opened.balloons("Error")[0]
 
 
 def test_nine_regions_by_hops_from_the_rhino_file(canvas, open_server):

@@ -105,7 +105,7 @@ def test_the_result_of_a_server_is_like_that_of_this_process(open_server):
 def test_a_refusal_of_the_server_is_a_red_balloon(open_server):
     placed = place("Solve")
     assert until_done(placed, cgc_mesh=dome(K=0.5), run=True, server=open_server.url)[-1]["status"] == "refused"
-    assert "more than this boundary can carry" in placed.said("Error")[0]
+    assert "too large for this boundary" in placed.said("Error")[0]
     huge = FlowSettings(steps=10**9)
     assert until_done(placed, cgc_mesh=dome(), settings=huge, run=True, server=open_server.url)[-1]["status"] == "refused"
     assert "the server allows at most" in placed.said("Error")[0]

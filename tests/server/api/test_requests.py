@@ -263,7 +263,7 @@ def test_a_request_with_the_last_surface_comes_to_what_the_drawing_alone_does(cr
     here = solved(corner_roof(0.02, creases))
     for K in targets:
         there, cold = solved(corner_roof(K, creases, here)), solved(corner_roof(K, creases))
-        assert ("on from the surface" in there.message) == (K * here.problem.targets[14] > 0)
+        assert ("starting from the previous surface" in there.message) == (K * here.problem.targets[14] > 0)
         assert there.converged and np.abs(there.vertices - cold.vertices).max() < 1e-6 * 6.0
         assert np.array_equal(there.start, cold.start)
         here = there

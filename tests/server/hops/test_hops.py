@@ -271,7 +271,7 @@ def damaged():
         ("K", "1e999", "finite"),
         ("K", True, "must be a number"),
         ("K", {}, "must be a number"),
-        ("K", 5.0, "more than this boundary can carry"),
+        ("K", 5.0, "too large for this boundary"),
         ("K", None, "input 'K' is empty"),
     ],
 )

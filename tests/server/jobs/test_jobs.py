@@ -270,7 +270,7 @@ def test_a_request_for_a_job_revokes_its_later_deletion(jobs):
 def test_a_refused_solve_fails_with_the_sentence_of_the_check(jobs):
     job, _ = jobs.submit(*body(targets=100.0))
     wait_for(lambda: jobs.get(job.id).over)
-    assert jobs.get(job.id).state == "failed" and "more than this boundary can carry" in jobs.get(job.id).message
+    assert jobs.get(job.id).state == "failed" and "too large for this boundary" in jobs.get(job.id).message
 
 
 def test_the_queue_is_bounded_for_one_and_for_all(jobs):

@@ -669,7 +669,7 @@ def test_refusals_are_shown_in_the_words_of_the_server(page, tmp_path):
     field = page.one(".region .number")
     field.send_keys(Keys.CONTROL + "a")
     field.send_keys("50" + Keys.ENTER)
-    assert "more than this boundary can carry" in page.seen(".verdict.bad").text
+    assert "too large for this boundary" in page.seen(".verdict.bad").text
     assert not page.one("#downloads").is_displayed()
 
 

@@ -71,7 +71,7 @@ def test_the_surface_of_the_slider_is_that_of_a_solve_from_the_drawing(tmp_path)
             hands.fill(".region .number", K)
             xyz, message, on = found()
             roof.set_target(K)
-            assert on[-1] and "on from the surface" in message
+            assert on[-1] and "starting from the previous surface" in message
             assert np.abs(np.reshape(xyz, (-1, 3)) - solve(roof).vertices).max() < 1e-9 * 6.0
         hands.read(HOLD)
         held = np.reshape(found()[0], (-1, 3))

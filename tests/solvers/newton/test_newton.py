@@ -310,7 +310,7 @@ def test_too_much_curvature_is_refused_in_words():
     solution = newton(problem)
     assert solution.status == "infeasible"
     assert solution.iterations == 0
-    assert "the target 5 is more than this boundary can carry" in solution.message
+    assert "the target 5 is too large for this boundary" in solution.message
     assert np.array_equal(solution.vertices, problem.vertices)
 
 

@@ -115,7 +115,7 @@ def test_a_side_that_is_not_reached_changes_nothing():
 
 def test_a_limit_that_turns_a_dome_over_says_so():
     hanging, pressed, asked = (solved(roof(10, K), goal) for K, goal in ((0.0089, Below(3.0)), (0.0089, Below(4.5)), (0.006, Rise(-6.5))))
-    assert hanging.vertices[:, 2].max() < 1e-9 and "other side of its supports than drawn" in hanging.message
+    assert hanging.vertices[:, 2].max() < 1e-9 and "on the side of the supports opposite to the drawing" in hanging.message
     assert pressed.vertices[:, 2].min() > -1e-9 and "other side" not in pressed.message
     assert asked.vertices[:, 2].min() == pytest.approx(-6.5) and "other side" not in asked.message
 

@@ -203,7 +203,7 @@ def test_a_law_given_to_solve_is_that_of_the_result():
     assert mesh.region_law(0) is None
     with pytest.raises(ValueError, match="only the method 'bending' takes laws"):
         solve(mesh, laws="H = 0.1", method="newton")
-    with pytest.raises(ValueError, match="the measure 'exact' reads constant K only"):
+    with pytest.raises(ValueError, match="the measure 'exact' supports constant K only"):
         solve(mesh, laws="H = 0.1", settings={"measure": "exact"})
 
 
@@ -211,5 +211,5 @@ def test_a_slider_of_a_law_goes_on_from_the_surface_before():
     first = solve(_roof(9))
     on = solve(first.mesh, laws={1: "H = 0.055"})
     cold = solve(_roof(9), laws={1: "H = 0.055"})
-    assert "on from the surface that was found before" in on.message
+    assert "starting from the previous surface" in on.message
     assert np.abs(on.vertices - cold.vertices).max() < 1e-6

@@ -156,7 +156,7 @@ def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
 @pytest.mark.parametrize(
     "constraint, words",
     [
-        (Height([0], 2.0), "vertex 0 is fixed away from where a constraint wants it"),
+        (Height([0], 2.0), "vertex 0 is fixed, but not where a constraint requires it"),
         (Height([7, 10_000], 2.0), "names vertex 10000, but the mesh has vertices 0 to 440"),
         (Fixed([-1]), "names vertex -1"),
         (Mirror((4, 5, 0), (1, 0, 0)), "has no mirror image of its own"),

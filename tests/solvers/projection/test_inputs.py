@@ -120,7 +120,7 @@ def test_where_nothing_may_move_that_is_said():
     problem = CGCProblem(vertices, faces, np.full(42, INTERNAL), 2.0)
     solution = project(problem.with_goals([Fixed(range(42))]))
     assert_honest(problem, solution)
-    assert solution.status == "infeasible" and "no vertex may move; free some" in solution.message
+    assert solution.status == "infeasible" and "all vertices are fixed; release some supports" in solution.message
 
 
 @pytest.mark.parametrize("target", [-0.2, *(pytest.param(target, marks=pytest.mark.nightly) for target in (-0.3, -0.36))])
@@ -130,7 +130,7 @@ def test_a_surface_worse_than_the_input_is_not_passed_over(target):
     assert_honest(problem, solution)
     inside = problem.asked & ~boundary_vertices(problem.vertices, problem.faces)
     before = np.abs(gaussian_curvature(problem.vertices, problem.faces) - target)[inside].max()
-    assert (solution.max_error > before * (1 + 1e-9)) == ("of the start" in solution.message)
+    assert (solution.max_error > before * (1 + 1e-9)) == ("of the initial surface" in solution.message)
 
 
 def test_bad_input_is_refused_in_words():

@@ -304,7 +304,7 @@ MESH_INSIDE = Definition(
 RATIONALISE = Definition(
     "rationalise",
     "A freeform roof from few moulds",
-    "A freeform roof stored in the definition becomes the nearest surface whose panels come off few moulds.",
+    "A freeform roof stored in the definition becomes the nearest surface with panels from few moulds.",
     (
         *_headline(
             "A freeform roof from few moulds",
