@@ -79,7 +79,9 @@ def moulds() -> None:
     """Draw panels and moulds of nine regions."""
     problem = solve(drawings.nine_regions(K=0.01, centre=-0.01), method="projection", settings={"measure": "exact"}).problem
     figure = moulds_figure(
-        problem, fabrication.moulds(problem, fabrication.panels(problem, 1.25)), "Panels of nine regions and their moulds"
+        problem,
+        fabrication.moulds(problem, fabrication.panels(problem, 1.25), material="gfrp", thickness=8),
+        "Panels of nine regions and their moulds",
     )
     figure.set_dpi(110)
     save(figure, DOCS / "images" / "moulds.png")

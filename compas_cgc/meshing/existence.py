@@ -192,7 +192,7 @@ def existence_problems(
     >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
     >>> edge = boundary_loops(plan.faces)[0]
     >>> [text[:19] for text in existence_problems(plan.vertices, plan.faces, edge, 100 * plan.targets, plan.asked)]
-    ['the target 2 is mor']
+    ['the target 2 is too']
     """
     target = float(targets[asked].min())
     most = _most_over(vertices, faces, boundary)

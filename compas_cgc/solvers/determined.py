@@ -96,7 +96,7 @@ def _met_by(problem: CGCProblem, goal: Constraint, solve: Callable[[CGCProblem],
     if not found.is_fair or found.targets is None:
         return ""
     K = float(f"{found.targets[problem.asked][0]:.3g}")
-    return Sentence(f"; K = {K:.3g} has it", [Remedy("targets", K)])
+    return Sentence(f"; K = {K:.3g} meets this goal", [Remedy("targets", K)])
 
 
 def missed_goal(problem: CGCProblem, solution: Solution, within: float = DRAWING_ACCURACY) -> Optional[_Missed]:

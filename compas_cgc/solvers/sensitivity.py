@@ -160,7 +160,7 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     0.000177 more K does not move the crown
     """
     if not isinstance(result, SolveResult):
-        raise CGCError(f"sensitivity requires a solved surface, sensitivity(solve(mesh)), not {result!r:.60}")
+        raise CGCError(f"sensitivity requires a solved surface: sensitivity(solve(mesh)), not {result!r:.60}")
     if not result.converged:
         raise ProblemError([f"the surface is {result.status}, not converged; derivatives by K exist only for a converged surface"])
     if result.method not in ("bending", "projection", "newton"):

@@ -56,7 +56,7 @@ def test_another_goal_is_refused_with_what_the_surface_has(goal):
 def test_the_K_that_has_the_rise_is_said():
     message = solve(dome(), goals=[Rise(3.0)]).message
     mesh = dome()
-    mesh.set_target(float(re.search(r"; K = ([0-9.]+) has it", message).group(1)))
+    mesh.set_target(float(re.search(r"; K = ([0-9.]+) meets this goal", message).group(1)))
     assert solve(mesh).vertices[:, 2].max() == pytest.approx(3.0, rel=0.01)
 
 

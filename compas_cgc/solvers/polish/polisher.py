@@ -432,7 +432,7 @@ def places(lagrangian: Lagrangian) -> FloatArray:
 
 
 def _message(status: str, steps: int, errors: list[tuple[Law, float]], branches: tuple[Branch, ...]) -> str:
-    reached = f"largest {', '.join(f'{law.words} {error:.3g}' for law, error in errors)} by mid-edge normals"
+    reached = f"largest {', '.join(f'{law.words} {error:.3g}' for law, error in errors)} in the mid-edge measure"
     if status == "converged":
         twins = sum(branch.twin_of == 0 for branch in branches)
         others = len(branches) - 1 - twins

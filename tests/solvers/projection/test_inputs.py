@@ -112,7 +112,7 @@ def test_what_cannot_be_solved_ends_with_a_sentence(case):
 def test_a_face_without_area_is_named(problem, face):
     solution = project(problem)
     assert_honest(problem, solution)
-    assert solution.status == "converged" or f"the face {face} has hardly any area; mend the mesh there" in solution.message
+    assert solution.status == "converged" or f"the face {face} has hardly any area; repair the mesh there" in solution.message
 
 
 def test_where_nothing_may_move_that_is_said():
