@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+import gc
+import importlib
 import inspect
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import hypothesis
@@ -18,6 +21,23 @@ LONG = 600  # seconds allowed for a nightly test, or one that starts processes
 def pytest_xdist_auto_num_workers() -> int:
     """Return one worker more than there are cores, as tests of servers and commands wait for other processes."""
     return len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1)) + 1
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Let each of several processes compile a part of the tests, where all are collected: then the others load what it stored."""
+    worker, folder = getattr(session.config, "workerinput", None), Path(__file__).parent
+    if worker is None or [Path(own).resolve() for own in session.config.args] != [folder]:
+        return
+    files = sorted(folder.rglob("test_*.py"))
+    for path in files[int(worker["workerid"].removeprefix("gw")) :: worker["workercount"]]:
+        # What fails here, fails again when it is collected, and is reported then.
+        with suppress(Exception, pytest.skip.Exception):
+            importlib.import_module(".".join([folder.name, *path.relative_to(folder).with_suffix("").parts]))
+
+
+def pytest_collection_finish() -> None:
+    """Spare the garbage collector all that was collected, which stays to the end."""
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
