@@ -132,7 +132,7 @@ def test_a_file_without_targets_takes_them_by_region(result, tmp_path, capsys):
         (["--curves", "Nowhere"], "the layer 'Nowhere' has no curves"),
         (["--size", "1", "--along", "laths"], "along must be one of plan, curvature"),
         (["--size", "1", "--schedule", "{folder}/moulds.pdf"], "the page of pictures is"),
-        (["--size", "1", "--no-page", "--schedule", "{folder}/moulds.csv", "--schedule", "{folder}/moulds.csv"], "two outputs would be"),
+        (["--size", "3", "--no-page", "--schedule", "{folder}/moulds.csv", "--schedule", "{folder}/moulds.csv"], "two outputs would be"),
         (["--size", "1", "--target", "wide"], "--target must be a number or REGION=NUMBER"),
     ],
 )

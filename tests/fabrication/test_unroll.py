@@ -667,8 +667,8 @@ def test_the_cut_list_states_bending_strain_and_seams_of_curved_pieces():
 
 
 def test_a_dome_is_cut_until_the_strain_is_small_enough():
-    patterns = unroll(CGCProblem(*revolved_patch(12, 0.02)).with_supports("boundary").with_targets(0.02), SHEET, strain=0.001)
-    assert patterns.largest_strain <= 0.001
+    patterns = unroll(CGCProblem(*revolved_patch(12, 0.02)).with_supports("boundary").with_targets(0.02), SHEET, strain=0.002)
+    assert patterns.largest_strain <= 0.002
     assert all((np.concatenate([loop.points for loop in piece.loops]).max(axis=0) <= SHEET).all() for piece in patterns.pieces)
     assert patterns.area == pytest.approx(patterns.area_in_space, rel=2e-3)
 
@@ -754,7 +754,7 @@ def crumpled() -> CGCProblem:
         (lambda: unroll(CGCProblem(*grid(6, 2.0)).with_targets(0.1)), "rough because it is not solved: its total curvature is 0 %"),
         (lambda: unroll(ring(), regions=[3]), "there is no region 3"),
         (lambda: unroll(ring(), strain=-1.0), "must be positive"),
-        (lambda: unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), strain=1e-4, rough=True), "smaller than its mesh edges"),
+        (lambda: unroll(CGCProblem(*icosphere(1, 2.0)).with_targets(0.25), strain=1e-4, rough=True), "smaller than its mesh edges"),
         (lambda: flatten(*icosphere(1)), "0 boundary loops"),
     ],
     ids=[

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -29,6 +30,11 @@ occt = pytest.importorskip("compas_occt._occt")
 FACE, EDGE = 4, 6
 
 
+@cache
+def solved(sample):
+    return compas_cgc.solve(compas_cgc.read(compas_cgc.get(f"{sample}.3dm")), settings={"measure": "exact"})
+
+
 def area(face):
     """Return the area of a face by triangles [m^2]; the integration of OpenCASCADE is not precise on rational surfaces."""
     vertices, faces, _ = occt.tesselate(face, 1.0, 0.1)
@@ -43,7 +49,7 @@ def free_edges(shape, faces):
 
 @pytest.mark.parametrize(("sample", "size"), [("vault", 3.0), ("canopy", 3.0), ("facade", 3.0)])
 def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
-    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get(f"{sample}.3dm")), settings={"measure": "exact"})
+    result = solved(sample)
     report = moulds(result, panels(result, size))
     path = tmp_path / "moulds.step"
     assert write_mould_files(path, result.problem, report) == []
@@ -70,7 +76,7 @@ def test_moulds_and_panels_are_named_faces(sample, size, tmp_path):
 
 
 def test_moulds_of_a_georeferenced_roof_are_valid_faces_in_their_place(tmp_path):
-    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("facade.3dm")), settings={"measure": "exact"})
+    result = solved("facade")
     away = np.array([691_234.5, 5_334_321.25, 520.0])
     report = moulds(result, panels(result, 3.0))
     far = replace(result.problem, vertices=result.problem.vertices + away)
@@ -86,7 +92,7 @@ def test_moulds_of_a_georeferenced_roof_are_valid_faces_in_their_place(tmp_path)
 
 @pytest.mark.parametrize(("sample", "size"), [pytest.param("cushion", 3.0, marks=pytest.mark.nightly), ("canopy", 3.0)])
 def test_moulds_of_least_bending_are_faces_with_the_area_of_their_cap(sample, size, tmp_path):
-    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get(f"{sample}.3dm")), settings={"measure": "exact"})
+    result = solved(sample)
     report = moulds(result, panels(result, size), least_bending=True)
     path = tmp_path / "moulds.step"
     write_mould_files(path, result.problem, report)
@@ -143,7 +149,7 @@ def test_the_command_writes_step_and_the_same_surface_gives_the_same_bytes(tmp_p
     assert (tmp_path / "one.step").read_bytes() == (tmp_path / "other.step").read_bytes()
 
 
-@pytest.mark.parametrize("size", [1.1, 1.6])
+@pytest.mark.parametrize("size", [pytest.param(1.1, marks=pytest.mark.nightly), 1.6])
 def test_panels_along_a_closed_rim_are_valid_faces(size, tmp_path):
     """Joints cross an irregular mesh at any distances, and panels along the rim pass the ends of its two curves."""
     flat = irregular_disk(160, radius=4.0)

@@ -42,9 +42,9 @@ def plan(tmp_path_factory):
 
 def test_commands_and_tasks_take_lengths_with_units(plan, capsys):
     out = plan.with_name("roof.json")
-    words = ["--supports", "corners", "--target", "2e-9", "--edge-length", "0.5m", "--above", "-2 m", "-q"]
+    words = ["--supports", "corners", "--target", "2e-9", "--edge-length", "1m", "--above", "-2 m", "-q"]
     assert main(["solve", str(plan), "-o", str(out), *words]) == 0
-    same = read_problem(plan, edge_length=500.0).problem
+    same = read_problem(plan, edge_length=1000.0).problem
     problem = read_problem(out).problem
     assert len(problem.vertices) == len(same.vertices) and problem.goals[0].height == -2000.0
     task = read_settings("unroll", {"sheet": "3.0x1.5m", "margin": "1cm", "kerf": 0.2, "thickness": "0.8cm"})

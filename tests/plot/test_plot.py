@@ -306,7 +306,7 @@ class TestCurves:
 
 
 class TestStudio:
-    def test_it_shows_no_dummies(self):
+    def test_it_shows_no_dummies(self, small_pictures):
         shape = roof()
         image = plot.studio_image(*shape[1:5], width=80)
         lowered = shape._replace(vertices=np.where((shape.roles == DUMMY)[:, None], shape.vertices * [9, 9, 1], shape.vertices))
@@ -327,7 +327,7 @@ class TestStudio:
         tone = _tones(faces, numbers)
         assert set(tone) == {0, 1} and (tone != np.roll(tone, 1)).all()
 
-    def test_curvature_beside_creases_and_supports_is_not_read(self):
+    def test_curvature_beside_creases_and_supports_is_not_read(self, small_pictures):
         shape = roof()
         K = np.where(shape.roles == INTERNAL, 1.0, -1e6)
         image, same = (plot.studio_image(*shape[1:5], curvature=own, width=80) for own in (K, np.ones(len(K))))

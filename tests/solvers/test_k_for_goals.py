@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -46,11 +48,16 @@ def test_a_target_that_is_there_stays_and_bounds_fix_no_curvature():
     assert result.problem.region_targets()[0] == 0.004
 
 
-@pytest.mark.parametrize("again", [False, True], ids=["at once", "from the result"])
-def test_the_exact_measure_takes_the_k_that_was_found(again):
+@cache
+def canopy():
     drawn = plan("corners")
     drawn.set_target(0.03)
-    found = solve(drawn, goals=[Rise(2.0)], unknown="all")
+    return drawn, solve(drawn, goals=[Rise(2.0)], unknown="all")
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["at once", "from the result"])
+def test_the_exact_measure_takes_the_k_that_was_found(again):
+    drawn, found = canopy()
     start, more = (found.mesh, {}) if again else (drawn, {"goals": [Rise(2.0)], "unknown": "all"})
     exact = solve(start, settings={"measure": "exact"}, **more)
     K = found.problem.region_targets()[0]

@@ -128,7 +128,7 @@ def test_a_solve_that_stalls_says_how_much_could_be_had():
 
 
 def test_the_command_says_it(tmp_path, capsys):
-    problem = roof(1.0)
+    problem = roof(1.0, 6)
     mesh = tmp_path / "roof.obj"
     lines = ["v {} {} {}".format(*point) for point in problem.vertices] + ["f {} {} {}".format(*(face + 1)) for face in problem.faces]
     mesh.write_text("\n".join(lines) + "\n")

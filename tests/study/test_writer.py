@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -38,11 +39,17 @@ def small_study(count=4, first=0.01, size=4):
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """Return the bytes of the files of a study that one command made."""
+def made(tmp_path_factory):
+    """Return the folder of a study that one command made."""
     folder = tmp_path_factory.mktemp("study") / "one"
     run_study(*small_study(), folder)
-    return contents(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(made):
+    """Return the bytes of its files."""
+    return contents(made)
 
 
 def contents(folder):
@@ -126,8 +133,8 @@ def test_results_with_files_of_two_studies_are_refused(tmp_path, damage):
         lambda folder: (folder / "drawing.json").unlink(),
     ],
 )
-def test_what_is_damaged_is_computed_again(tmp_path, whole, damage):
-    run_study(*small_study(), tmp_path)
+def test_what_is_damaged_is_computed_again(tmp_path, made, whole, damage):
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True)
     damage(folder=tmp_path)
     assert len(run_study(*small_study(), tmp_path)) == 4
     assert contents(tmp_path) == whole and (tmp_path / "drawing.json").exists()

@@ -7,6 +7,6 @@ from collections.abc import Iterable
 import pytest
 
 
-def push_only(cases: Iterable, *quick: str) -> list:
+def push_only(cases: Iterable, *quick: object) -> list:
     """Return the cases as parameters; all but the quick ones run nightly."""
     return [case if case in quick else pytest.param(case, marks=pytest.mark.nightly) for case in cases]

@@ -87,6 +87,7 @@ def noise():
 
 CASES = [infeasible, wild_neighbours, a_region_of_one_face, an_island, nearly_flat_triangles, a_spike, noise]
 LONG = (infeasible, nearly_flat_triangles)
+SOLVED = (wild_neighbours, a_region_of_one_face, an_island, nearly_flat_triangles)  # by `auto`
 METHODS = {
     "auto": None,
     "flow": FlowSettings(steps=300),
@@ -112,20 +113,11 @@ def test_every_method_ends_with_a_status_a_sentence_and_a_surface(make, method):
     assert np.isfinite(vertices).all() and np.isfinite(result.max_error)
     size = np.linalg.norm(np.ptp(mesh.arrays()[0], axis=0))
     assert np.linalg.norm(np.ptp(vertices, axis=0)) < 10 * size, "blown up"
+    assert result.converged or method != "auto" or make not in SOLVED, result.message
     if result.converged:
         assert face_areas(vertices, faces).min() > 0
     for v in mesh.supports():
         assert result.mesh.vertex_coordinates(v) == mesh.vertex_coordinates(v)
-
-
-@pytest.mark.parametrize(
-    "make",
-    [wild_neighbours, a_region_of_one_face, an_island, pytest.param(nearly_flat_triangles, marks=pytest.mark.nightly)],
-    ids=lambda make: make.__name__,
-)
-def test_auto_solves_what_can_be_solved(make):
-    result = solve(make())
-    assert result.converged, result.message
 
 
 def test_more_than_a_boundary_carries_is_refused_in_arrays_too():

@@ -71,7 +71,7 @@ def noise_and_turn(kind: str, count: int, problem: CGCProblem, vertices: np.ndar
 
 
 @pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.nightly)])
-@pytest.mark.parametrize("kind", ["sphere", "bulge", "spindle", "cylinder", "cone"])
+@pytest.mark.parametrize("kind", push_only(["sphere", "bulge", "spindle", "cylinder", "cone"], "sphere", "cone"))
 def test_no_wrinkles_are_left(kind, count):
     problem = wavy(kind, count)
     result = solve(problem)
@@ -100,7 +100,7 @@ def test_less_is_left_on_a_finer_mesh():
     assert fine[0] < 0.5 * coarse[0] and fine[1] < 0.5 * coarse[1]
 
 
-@pytest.mark.parametrize("kind", ["pseudosphere", "saddle of revolution", "cylinder"])
+@pytest.mark.parametrize("kind", push_only(["pseudosphere", "saddle of revolution", "cylinder"], "saddle of revolution", "cylinder"))
 def test_a_surface_near_the_drawing_is_found_where_half_the_rim_is_free(kind):
     """Many surfaces have K <= 0 there: not the one that was drawn in waves, but one as near to it, without wrinkles."""
     problem = wavy(kind, 300, held=0.5)

@@ -49,7 +49,7 @@ def folded_L(n: int) -> CGCProblem:
     return CGCProblem(vertices, faces, roles, 1.0).with_creases([[number[k, k], number[k + 1, k + 1]] for k in range(n)])
 
 
-@pytest.mark.parametrize("layout", ["regular", "delaunay"])
+@pytest.mark.parametrize("layout", push_only(["regular", "delaunay"], "delaunay"))
 @pytest.mark.parametrize("plan", push_only(["disc", "square", "hexagon", "ellipse"], "disc", "square"))
 def test_nearly_all_that_a_rim_carries_is_solved_from_a_flat_mesh(plan, layout):
     problem = held(plan, layout)

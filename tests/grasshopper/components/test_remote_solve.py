@@ -12,6 +12,7 @@ import pytest
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
 from compas_cgc import Height
+from compas_cgc import Unknown
 from compas_cgc.grasshopper.components import server as server_component
 from compas_cgc.grasshopper.runtime import remote_solve as remote_module
 from compas_cgc.grasshopper.runtime.address import Address
@@ -81,14 +82,14 @@ def test_settings_and_constraints_go_along(open_server):
 
 def test_constraints_of_the_mesh_go_along_once(open_server):
     mesh = dome()
-    mesh.set_goals([Height([44], 0.9)])
+    mesh.set_goals([Height([44], 0.9), Unknown()])
     ringed = mesh.copy()
     ringed.add_dummy_ring()
     for posed in (mesh, ringed):
         assert request_body("id", posed.to_problem()).count(b'"kind": "height"') == 1
         out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=open_server.url)[-1]
         assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(0.9, abs=1e-9) and out["status"] == "converged"
-        assert [one.height for one in out["cgc_mesh"].goals()] == [0.9]
+        assert [goal.height for goal in out["cgc_mesh"].goals() if isinstance(goal, Height)] == [0.9]
         assert np.array_equal(out["result"].vertices, here(posed).vertices)
 
 

@@ -17,6 +17,7 @@ from compas_cgc.io import read_mesh
 from ...support.gh_stand_ins import DataTree
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
+from ...support.tiers import push_only
 
 pytestmark = pytest.mark.usefixtures("rhino")
 
@@ -64,7 +65,7 @@ def document():
     return sys.modules["Rhino"].RhinoDoc.ActiveDoc
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", push_only(range(200), *range(40)))
 def test_trees_are_matched_by_the_longest_list(seed):
     rng = np.random.default_rng(seed)
     trees = {name: random_tree(rng, itertools.count(100 * k)) for k, name in enumerate("abc")}
@@ -73,7 +74,7 @@ def test_trees_are_matched_by_the_longest_list(seed):
     assert flat == list(longest_list(**trees))
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", push_only(range(200), *range(40)))
 def test_ids_put_out_are_the_objects_baked(seed):
     rng, placed = np.random.default_rng(seed), place("Bake")
     kept = place("Bake").run(cgc_mesh=halves(99), bake=True)["baked"].AllData()
@@ -110,7 +111,7 @@ def runs_of(**trees):
             yield item, branch
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", push_only(range(200), *range(40)))
 def test_targets_of_trees_with_nulls_reach_their_regions(seed):
     rng, placed = np.random.default_rng(seed), place("Target")
     meshes = random_tree(rng, map(halves, itertools.count()))

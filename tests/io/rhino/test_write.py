@@ -31,6 +31,7 @@ from ...support.rhino_models import Sketch
 from ...support.rhino_models import corners_of
 from ...support.rhino_models import quads
 from ...support.rhino_models import row
+from ...support.tiers import push_only
 
 N = 9
 
@@ -98,7 +99,7 @@ def test_targets_and_strategies_of_single_vertices_are_kept(tmp_path):
 
 
 @pytest.mark.parametrize("example", [e for e in CATALOGUE if isinstance(e, SurfaceExample)], ids=lambda e: e.name)
-@pytest.mark.parametrize("origin", ORIGINS)
+@pytest.mark.parametrize("origin", push_only(ORIGINS, ORIGINS[-1]))
 def test_every_example_of_the_paper_survives_bit_for_bit(tmp_path, example, origin):
     mesh, _ = example.build()
     mesh = mesh.without_dummies()
@@ -282,7 +283,7 @@ def test_targets_given_elsewhere_come_back_from_the_regions_of_the_result(tmp_pa
 def test_a_note_says_where_drawn_targets_differ_from_those_of_an_earlier_result(tmp_path):
     write_problem(tmp_path / "a.3dm", problem().to_problem())
     drawn = read_3dm(tmp_path / "a.3dm")
-    result = solve(mesh_of(drawn), goals=[Rise(2.0)], unknown=[1])
+    result = solve(mesh_of(drawn), method="bending", goals=[Rise(2.0)], unknown=[1])
     write_result(tmp_path / "b.3dm", result, tmp_path / "a.3dm")
     back = read_3dm(tmp_path / "b.3dm")
     assert [mesh_of(back).region_target(r) for r in range(2)] == [mesh_of(drawn).region_target(r) for r in range(2)]

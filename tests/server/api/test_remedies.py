@@ -134,7 +134,7 @@ def test_columns_level_with_the_corners_are_freed():
     assert solve(problem.with_supports(corners)).verdict.fair
 
 
-@pytest.mark.parametrize("free", [None, 9.0], ids=["held all round", "one side free"])
+@pytest.mark.parametrize("free", [None, pytest.param(9.0, marks=pytest.mark.nightly)], ids=["held all round", "one side free"])
 def test_walls_that_meet_at_an_inward_corner_get_a_crease_from_it(free):
     outline = [[0, 0], [14, 0], [14, 5], [6, 5], [6, 11], [0, 11]]
 
