@@ -20,6 +20,7 @@ from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers import reasons
+from compas_cgc.solvers.projection import Projector
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.projection.own_symmetry import own_symmetries
 from compas_cgc.solvers.projection.symmetry import tears_faces
@@ -94,6 +95,17 @@ def test_a_dome_is_symmetric_to_rounding(target):
         solution = project(problem)
         assert solution.status == "converged" and solution.max_error < 1e-12
         assert max(gaps(problem, solution.vertices)) < 1e-13
+
+
+def test_a_nearly_symmetric_surface_becomes_symmetric_and_meets_its_targets():
+    problem = roof(eightfold=True)
+    projector = Projector(problem)
+    local = projector.posed(None, project(problem).vertices)
+    noise = 1e-4 * np.random.default_rng(0).normal(size=local.vertices.shape) * local.asked[:, None]
+    near = projector._system.at(local.vertices + noise, projector._system.equations(local.targets))
+    found = projector._symmetric(near, local, 0.0)
+    assert near.max_error > 1e-3 and found.max_error < 1e-11
+    assert max(gaps(problem, projector.to_model(found.vertices))) < 1e-13
 
 
 def test_a_saddle_keeps_what_it_has_and_is_not_flattened():
