@@ -39,11 +39,12 @@ def test_a_mesh_becomes_panels_on_two_moulds(monkeypatch):
     monkeypatch.setattr(module, "rationalise_design", None)
     document = Document()
     document.ValueTable.texts = dict(placed.component.document.ValueTable.texts)
-    again = place("Rationalise", document)
-    again.component.InstanceGuid = placed.component.InstanceGuid
-    assert again.run(design=own, panel=4.0, moulds=[3.0], run=False)["report"] == out["report"]
-    assert again.component.Message == "set run to true", "it is out of date"
+    again, changed = (place("Rationalise", document) for _ in range(2))
+    again.component.InstanceGuid = changed.component.InstanceGuid = placed.component.InstanceGuid
+    assert changed.run(design=own, panel=4.0, moulds=[3.0], run=False)["report"] == out["report"]
+    assert changed.component.Message == "set run to true", "it is out of date"
     back = again.settle(design=own, panel=4.0, moulds=[2.0], run=False)
+    assert not again.said("Error") and again.component.Message == placed.component.Message, "nothing is computed"
     same = [name for name in out if name not in ("mesh", "cgc_mesh", "panels", "seam_lines")]
     assert [back[name] for name in same] == [out[name] for name in same], "when the definition is opened again"
     assert np.array_equal(back["mesh"].Vertices, out["mesh"].Vertices) and back["mesh"].VertexColors == out["mesh"].VertexColors
