@@ -13,6 +13,9 @@ from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication.curves.trace import CURVATURE
+from compas_cgc.fabrication.curves.trace import direction_field
+from compas_cgc.fabrication.curves.trace import trace
 from compas_cgc.fabrication.drawing import overlap
 from compas_cgc.fabrication.drawing import text_box
 from compas_cgc.fabrication.shape_operators import shape_operators
@@ -90,6 +93,18 @@ def test_a_net_through_points_has_no_spacing_to_hold_its_sides_against():
     net = curve_net(problem, 0.5, through=problem.vertices[middle[[0, 8]]])
     assert net.spacing is None and len(net.sides) > 0
     assert "times the spacing" not in str(net)
+
+
+def test_a_line_of_curvature_runs_straight_where_both_curvatures_are_equal_and_does_not_begin_there():
+    vertices, faces = grid(8)
+    operators = np.zeros((len(vertices), 3, 3))
+    operators[:, 0, 0], operators[:, 1, 1] = np.where(vertices[:, 0] < 0.4, 2.0, 1.0), 1.0
+    field = direction_field(vertices, faces, operators)
+    begin, end = (int(np.argmin(np.linalg.norm(vertices[faces].mean(axis=1) - place, axis=1))) for place in ([0.1, 0.5, 0], [0.9, 0.5, 0]))
+    start = vertices[faces[begin]].mean(axis=0)
+    line = trace(field, CURVATURE, 0, begin, start).points
+    assert line[[0, -1], 0] == pytest.approx([0.0, 1.0]) and line[:, 1] == pytest.approx(start[1])
+    assert len(trace(field, CURVATURE, 0, end, vertices[faces[end]].mean(axis=0)).points) == 1
 
 
 def test_around_a_hole_asymptotic_curves_are_traced_one_by_one():

@@ -59,6 +59,7 @@ def test_metrics_count_requests_and_jobs_and_belong_to_the_operator(app):
     assert found[("cgc_requests_total", *key)] == 1, "one line for all jobs"
     assert not any(label == ("method", "ODDITY") for name, *labels in found for label in labels)
     assert found["cgc_request_seconds_count", ("address", "/metrics")] == 2
+    assert found["cgc_request_seconds_sum", ("address", "/api/v1/jobs")] > 1e-4, "jobs are written to the disk"
     assert found["cgc_store_bytes",] > 0 and found["cgc_disk_free_bytes",] > 0
 
 
