@@ -105,12 +105,9 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
         searched = _search(lagrangian, saddle, here, active, step, slope, weights, size)
         farthest = float(np.abs(step[: lagrangian.moves]).max(initial=0.0))
         if searched is None:
-            if share > 0.0:
-                share = 0.0 if share <= EXACT / 2**HALVINGS else share / 2
-            else:
-                shift = max(SHIFT, GROW * shift)
-                if shift > MOST:
-                    return
+            share, shift = _more_convex(share, shift)
+            if shift > MOST:
+                return
             continue
         before, multipliers = here, after
         here, length, trials = searched
@@ -190,11 +187,15 @@ def _factors(
                 return share, shift
         except SingularMatrixError:
             pass
-        if share > 0.0:
-            share = 0.0 if share <= EXACT / 2**HALVINGS else share / 2
-        else:
-            shift = max(SHIFT, GROW * shift)
+        share, shift = _more_convex(share, shift)
     return None
+
+
+def _more_convex(share: float, shift: float) -> tuple[float, float]:
+    """Return the next share of the exact second derivatives, or the next shift where none of them are left."""
+    if share > 0.0:
+        return 0.0 if share <= EXACT / 2**HALVINGS else share / 2, shift
+    return share, max(SHIFT, GROW * shift)
 
 
 def _stiffness(lagrangian: Lagrangian, model: Model) -> float:

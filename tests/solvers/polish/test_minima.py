@@ -8,6 +8,7 @@ from scipy import sparse
 
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.negative_curvature import negative_curvature
+from compas_cgc.solvers.polish.optimiser import _more_convex
 from compas_cgc.solvers.polish.polisher import polish
 
 from ...support.shapes import alternating
@@ -25,6 +26,14 @@ def test_a_symmetric_surface_that_is_no_minimum_is_left_for_one_that_is():
         start = found.vertices + 0.02 * push[:, None] * [0.0, 0.0, 1.0] * problem.movable[:, None]
         again = polish(problem, start=start)
         assert again.branches[0].energy == pytest.approx(found.branches[0].energy, rel=1e-6)
+
+
+def test_second_derivatives_that_are_not_convex_are_halved_then_left_out_and_then_shifted():
+    taken = [(1.0, 0.0)]
+    while taken[-1][1] < 1e-3:
+        taken.append(_more_convex(*taken[-1]))
+    shares, shifts = zip(*taken)
+    assert shares == (1.0, 0.5, 0.25, 0.125, 0.0625, 0.0, 0.0, 0.0) and shifts == (0.0,) * 6 + (1e-4, 1e-3)
 
 
 def test_the_direction_of_negative_curvature_obeys_the_equations():
