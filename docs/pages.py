@@ -74,8 +74,9 @@ All numbers that results depend on have a name at the top of a module, with thei
 `python docs/pages.py` reads these tables from the comments of the code. Ratios and numbers of things have the unit 1. Solvers work
 in a local frame, in which the drawing has unit size; L is a length there.
 
-A bound on steps or time that is not reached in most solves needs no other reason: a solve that reaches it ends with a status that
-says so.
+Bounds of steps and time are not reached in most solves; a solve that reaches one ends with a status that says so. Where a reason
+says that half and twice a value give the same surfaces, up to four small problems that use the constant were solved with both: roofs
+on corners, rims and walls, irregular meshes, drawn shapes, creases and goals. Harder problems may depend on it.
 """
 # Parts of expressions that are numbers: literals, arithmetic, and functions such as np.radians. Lists are tables of indices or weights.
 NUMERIC = (

@@ -23,6 +23,7 @@ __all__ = [
     "LONGEST",
     "LOOSE_RESIDUAL",
     "MAX_STEPS",
+    "MEDIUM_MESH",
     "MULTIPLIER_MARGIN",
     "PATIENCE",
     "ROUNDINGS",
@@ -45,8 +46,7 @@ ROUNDINGS = 4.0  # multiple of the estimated rounding error up to which a residu
 CONVERGED = 1e-10  # relative residual or step of a converged iteration; the next Newton step, with its square, is at rounding level
 TWIN_ENERGIES = 1e-3  # relative difference of the energies of mirror twins; irregular triangles are not mirror images
 
-# Steps
-MAX_STEPS = 30  # steps of a search [steps]; Newton's method and its relatives converge in 5 to 15 or not at all
+MAX_STEPS = 30  # steps or rounds of a search [steps]; bounds the time, as converging searches need fewer
 PATIENCE = 10  # steps in a row without sufficient gain that end a search [steps]; it may pass a vertex whose moves hardly change its angles
 LONGEST = 0.25  # longest move in a step relative to the size of the mesh; a quadratic model of a shape holds no farther
 SHORTEST = 1e-3  # fraction of a step below which a line search fails; ten halvings, after which the direction is not one of descent
@@ -55,16 +55,13 @@ DECREASE = 1e-2  # fraction of the predicted decrease of a merit function that a
 MULTIPLIER_MARGIN = 1.5  # weight of residuals in the merit over the largest multiplier; above 1 the merit is exact (Nocedal and Wright)
 WEIGHT_DECAY = 0.7  # fraction of that weight that remains as multipliers decrease; abrupt changes of the merit let searches cycle
 WORTHWHILE = 0.5  # factor on the residual that further steps have to bring; slower ones do not reach rounding level within the step limit
-ELSEWHERE = 1e-2  # step relative to the size of the mesh that leads to another surface; steps from a converged surface are below 1e-3
+ELSEWHERE = 1e-2  # step relative to the size of the mesh that leads to another surface; corrections of a converged surface are far smaller
 RUNAWAY = 2.0  # move of a vertex in diagonals of the drawing, from which a search diverges; no surface is that far from its drawing
-
 WITHIN_REACH = 0.5  # relative error of K within which Newton's method needs no other start; beyond, steps lose convexity
 
-# Residuals of linear systems
-KRYLOV = 60  # directions of GMRES between restarts; its systems differ by low rank from factorised ones and take 10 to 40
+KRYLOV = 60  # directions of Krylov methods; bounds the time, and a later step corrects an inexact one
 LOOSE_RESIDUAL = 1e-3  # relative residual of linear systems far from convergence; steps of Newton's method then miss by as little
 TIGHT_RESIDUAL = 1e-6  # relative residual of linear systems near convergence; preserves quadratic convergence to the last but one step
-
 FACTORS = 20  # work of a factorisation for moves along normals [right sides]; estimate of the time, which affects the work limit only
 
 # Drawings
@@ -72,10 +69,13 @@ GROUND = 1e-10  # stiffness of motions that do not bend relative to that of bend
 SIDE_SHARE = 0.05  # depth or volume of a drawing relative to those of a dome with its K, from which it decides the side; noise is smaller
 SMALLEST_FACE = 1e-6  # area of a face or cell relative to the mean below which it is a sliver; normals of slivers are rounding errors
 FACING = 0.5  # length of the mean normal over the area from which a drawing has a plan; a half sphere has 0.5
-SHAPE_KEPT = 3.0  # bending of a drawing over that of the plate on its supports, from which its shape is kept; domes have more
+# bending of a drawing over that of the plate on its supports, from which its shape is kept; what supports explain is not a shape
+SHAPE_KEPT = 3.0
 
-# Sizes of meshes
-EVEN_VERTICES = 600  # vertices of the even triangles on which branches and lines are found; heights on them are within 1 % of the limit
-COARSE_VERTICES = 2000  # vertices of coarser meshes for the projection; its surfaces differ by less than 1e-3 of the size from finer ones
-LARGE_MESH = 6000  # vertices from which a search on a coarser mesh pays; solves on the mesh itself take seconds per step beyond
-HUGE_MESH = 20_000  # vertices from which a search on the mesh itself takes minutes; only steps from a coarser mesh are taken
+# vertices of the even triangles on which branches and lines are found [vertices]; heights on them are within 1 % of the limit
+EVEN_VERTICES = 600
+MEDIUM_MESH = 1000  # vertices above which a search begins on a coarser mesh [vertices]; below, this saves no time
+# vertices of coarser meshes for the projection [vertices]; its surfaces differ by less than 1e-3 of the size from finer ones
+COARSE_VERTICES = 2000
+LARGE_MESH = 6000  # vertices from which a search on a coarser mesh pays [vertices]; below, it saves no time
+HUGE_MESH = 20_000  # vertices from which no search begins on the mesh itself [vertices]; it would take minutes

@@ -21,6 +21,7 @@ from ..model.problem import problem_of
 from ..model.verdict import Verdict
 from .coarse import coarsened
 from .constants import LARGE_MESH
+from .constants import MEDIUM_MESH
 from .projection.drawing import as_meant
 from .rising import GROWTH
 from .rising import Bracket
@@ -28,8 +29,7 @@ from .rising import Rising
 
 __all__ = ["Limit", "largest_target", "raised"]
 
-FINE = 1200  # vertices above which the search begins on a coarser mesh [vertices]; a search takes up to 40 solves
-PART = 2 / 3  # vertices of the coarser mesh over FINE; leaves room for lines whose vertices are all kept
+PART = 2 / 3  # vertices of the coarser mesh over MEDIUM_MESH; leaves room for lines whose vertices are all kept
 EACH = 16  # vertices for each region of the coarser mesh [vertices]; 4 by 4, the fewest with vertices away from the edges of a region
 # smallest rejected factor over the largest accepted one, up to which no "or more" is added; a search for reasons ends within 10 %
 SURELY = 1.15
@@ -63,7 +63,7 @@ class Limit:
 
 @names_what_was_meant()
 def largest_target(
-    posed: PosesProblem, *, tolerance: float = 0.02, solves: int = 40, vertices: int = FINE, work: Optional[Work] = None
+    posed: PosesProblem, *, tolerance: float = 0.02, solves: int = 40, vertices: int = MEDIUM_MESH, work: Optional[Work] = None
 ) -> Limit:
     """Return how large the targets can be for a fair surface over the supports as they are.
 

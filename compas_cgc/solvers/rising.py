@@ -26,7 +26,7 @@ from .projection.settings import ProjectionSettings
 
 __all__ = ["GROWTH", "Bracket", "Carried", "Rising"]
 
-LEAST = 1 / 64  # first factor over the smallest one that is tried; a surface that fails at a total curvature of 0.008 rad has another cause
+LEAST = 1 / 64  # smallest factor that is tried over the first one; a surface that fails at a total curvature of 0.008 rad has another cause
 # factor from one target to the next; the height of a dome grows by a fifth, a step that the search follows from the last surface
 GROWTH = 1.5
 # factor between targets that are tried from the surfaces of a coarser mesh; differences of 5 % are within the accuracy of the search

@@ -17,7 +17,7 @@ from ...discrete.arrays import Vertices
 
 __all__ = ["GradientFilter"]
 
-SKIN = 0.2  # additional radius of the neighbour lists over the filter radius; lists then hold for some steps, and are a third longer
+SKIN = 0.2  # additional radius of the neighbour lists over the filter radius; lists then hold for some steps, and are 44 % longer
 MOST_PAIRS = 60_000_000  # pairs of neighbours; they take about one gigabyte
 
 

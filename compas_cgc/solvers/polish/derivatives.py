@@ -14,6 +14,7 @@ from ...model.laws import ConstantCurvature
 from ...model.problem import CGCProblem
 from ..constants import CONVERGED
 from ..constants import KRYLOV
+from ..constants import MAX_STEPS
 from .lagrangian import Lagrangian
 from .lagrangian import State
 from .optimiser import regularisation
@@ -26,8 +27,6 @@ from .settings import PolishSettings
 from .starts import from_surface
 
 __all__ = ["moves_by_constants"]
-
-STEPS = 20  # steps that recover the angles of edges [steps]; a result holds vertices only, and Newton's method begins at the minimum
 
 
 def moves_by_constants(
@@ -64,7 +63,7 @@ def moves_by_constants(
     forces = np.zeros(len(here.met.values))
     for step in steps(own, here, places(own), posed.size):
         here, multipliers, forces = step.state, step.multipliers, step.forces
-        if step.settled or step.number == STEPS:
+        if step.settled or step.number == MAX_STEPS:
             break
     model, saddle = own.model(here, multipliers), Saddle(places(own))
     touching = here.met.one_sided & (forces != 0.0)

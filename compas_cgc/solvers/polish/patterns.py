@@ -9,13 +9,13 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Mask
 from ...model.tolerances import DRAWING_ACCURACY
 from ...model.tolerances import NEGLIGIBLE
+from ..constants import MAX_STEPS
 from ..constants import TWIN_ENERGIES
 
 __all__ = ["Patterns"]
 
 DIRECTIONS = 64  # directions of saddles that are compared; 2.8° apart, from where the search turns to the best one
 MODES = 4  # patterns of least energy from which others are found [patterns]; higher modes have more energy
-SWEEPS = 30  # rounds over the regions [rounds]; bounds the time, as every change decreases the energy
 MOST = 4  # patterns from which surfaces are sought; each costs a search
 DEAREST = 1.5  # energy of a pattern over the least that is tried; the energy of a plate orders patterns, but not exactly
 
@@ -107,7 +107,7 @@ class Patterns:
     def _descended(self, x: FloatArray, flips: bool = True) -> FloatArray:
         """Return the pattern where no region alone has less energy bent in another way; domes keep their sides unless they flip."""
         x = x.copy()
-        for _ in range(SWEEPS):
+        for _ in range(MAX_STEPS):
             changed = False
             for r in range(len(x)):
                 own = self._gram[r, :, r]

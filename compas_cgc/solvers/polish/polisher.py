@@ -48,6 +48,7 @@ from ...model.verdict import verdict
 from ..coarse import Coarse
 from ..coarse import laid_out_anew
 from ..constants import EVEN_VERTICES
+from ..constants import MEDIUM_MESH
 from ..constants import TWIN_ENERGIES
 from .lagrangian import Lagrangian
 from .lagrangian import State
@@ -66,7 +67,6 @@ from .starts import starts
 
 __all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 
-MANY = 1000  # vertices above which branches are found on even triangles first [vertices]; below, this saves no time
 # lengths of even curvature over √area that are tried where K̄ < 0; least bending first, then without branch points (docs/method.md)
 EVEN = (0.0, 0.55, 0.4)
 EVENLY = "evenness = {:g} was used, because the surface of least bending has branch points"
@@ -157,7 +157,7 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     tried = EVEN if hyperbolic and not begun else EVEN[:1]
     if settings.evenness is not None:
         tried = (settings.evenness,)
-    small = begun or len(problem.vertices) <= MANY or (problem.roles == DUMMY).any()
+    small = begun or len(problem.vertices) <= MEDIUM_MESH or (problem.roles == DUMMY).any()
     coarse = None if small else laid_out_anew(problem, EVEN_VERTICES)
     if coarse is not None:
         kept = keeps_shape(problem) if settings.keep == "auto" else settings.keep == "shape"

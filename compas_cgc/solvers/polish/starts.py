@@ -27,9 +27,10 @@ from .patterns import Patterns
 
 __all__ = ["Lifted", "from_surface", "is_kept", "over_its_plate", "plate", "saddles", "starts"]
 
-# median over mean of the squared curvature of a drawing, below which it bends beside its supports alone; 1 if it bends evenly
+# median over mean of the squared curvature of a drawing, below which it bends beside supports alone; half and twice it select the same
 MOST_PLACES = 0.02
-PULLED = 2.0  # slope beside supports over that elsewhere, above which supports were pulled out of a sheet; slopes of shells vary less
+# slope beside supports over that elsewhere, above which supports were pulled out of a sheet; half and twice it select the same
+PULLED = 2.0
 FLAT_FACE = 1e-8  # squared curvature times area below which a drawing is flat; a sagitta of 1e-5 of the size is invisible
 FLAT = 3e-5  # curvature relative to the largest below which it is zero; as FLAT_FACE, for K
 

@@ -11,6 +11,7 @@ from ...linalg import SingularMatrixError
 from ..constants import CONVERGED
 from ..constants import ELSEWHERE
 from ..constants import LOCAL_ROUNDING
+from ..constants import MAX_STEPS
 from .closing import is_bound_by_k_alone
 from .gauss_newton import FULFILLED
 from .optimality import Optimality
@@ -22,7 +23,6 @@ __all__ = ["brought_to_rest", "rests"]
 
 MOST = 500  # movable vertices up to which the exact matrix is factorised [vertices]; bounds the time, which grows faster than linearly
 FASTER = 0.3  # ratio of successive steps up to which the matrix is kept; beyond, a new one takes less time
-STEPS = 16  # steps with one matrix [steps]; at a ratio of 0.3 eight digits
 
 
 def rests(system: System, equations: CurvatureEquations) -> bool:
@@ -49,7 +49,7 @@ def _to_rest(solved: Optimality, equations: CurvatureEquations, reached: Reached
     """
     system = solved.system
     here, multipliers, longest = system.at(reached.point.vertices, equations), reached.multipliers, ELSEWHERE / FASTER
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         before = longest
         move, more = solved.correction(here, equations, multipliers)
         longest = float(np.abs(move).max(initial=0.0)) / system.size

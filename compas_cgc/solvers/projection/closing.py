@@ -16,8 +16,10 @@ from ...discrete.jacobian import CurvatureEquations
 from ...linalg import LinearSolver
 from ...linalg import SingularMatrixError
 from ...linalg import linear_solver
+from ..constants import MAX_STEPS
 from .found_curvature import FoundCurvature
 from .gauss_newton import FINISH
+from .gauss_newton import SLOW
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .iterate import Point
@@ -30,10 +32,9 @@ __all__ = ["Closing", "along", "closed_across", "is_bound_by_k_alone"]
 
 # weights of the metric relative to the equations; the smallest that leaves the matrix positive definite is used, rounding decides
 SOFT = (1e-9, 1e-8, 1e-7, 1e-5)
-ROUNDS = 20  # rounds of refinement [rounds]; bounds the time where the weights leave the equations inaccurate
 LEAST = 1e-2  # relative residual of the linear systems; steps converge by a factor of 100, as the directions are fixed
-MEMORY = 3  # steps across in which residuals may grow [steps]; where K < 0 the last ones oscillate before they converge
-HOPELESS = 0.9  # fraction of the right side that a useless move leaves; along asymptotic lines only moves in the surface change K
+# steps across in which residuals may grow [steps]; where K < 0 the last ones oscillate, and half and twice as many give the same surfaces
+MEMORY = 3
 
 
 class Closing(System):
@@ -62,7 +63,7 @@ class Closing(System):
         """Return the least step across (n, 3), no numbers where moves across hardly do anything for the equations."""
         J, right = along(self._normals, self.jacobian(point, equations)), -point.residual
         heights, missing = self._least(J, right, max(tolerance, LEAST))
-        if norm(missing) > HOPELESS * norm(right):
+        if norm(missing) > SLOW * norm(right):
             heights = np.full_like(heights, np.nan)
         return self.full((heights[:, None] * self._normals).ravel()), kept
 
@@ -99,7 +100,7 @@ class Closing(System):
         goal = max(tolerance * norm(right), EPS * np.sqrt(len(right)))
         first = scale * norm(right)
         kept: list[tuple] = []
-        for _ in range(ROUNDS):
+        for _ in range(MAX_STEPS):
             step = solver.solve(pull + weight * (transposed @ missing))
             more = weight * (missing - J @ step)
             direction = [step, W @ step - transposed @ more, J @ step]

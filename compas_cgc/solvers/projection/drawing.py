@@ -22,17 +22,16 @@ from ..constants import COARSE_VERTICES
 from ..constants import FACING
 from ..constants import GROUND
 from ..constants import HUGE_MESH
-from ..constants import LARGE_MESH
 from ..constants import LOCAL_ROUNDING
 from .metric import bending_matrix
 from .placement import movable_vertices
 
 __all__ = ["as_meant"]
 
-# bending of a sheet over that with its supports put back, above which they were pulled out of it; lifting a point bends far more
+# bending of a sheet over that with its supports put back, above which they were pulled out of it; half and twice it select the same
 PULLED = 5.0
-SOFT = 0.1  # bending stiffness across creases relative to that elsewhere; a drawn fold is no sign of lifted supports
-TURNS = 4  # renewals of the plate as its normal turns; each turns it by a fraction of the one before
+SOFT = 0.1  # bending stiffness across creases relative to that elsewhere; half and twice it select the same drawings
+TURNS = 4  # renewals of the plate as its normal turns; with half and twice as many, heights differ by rounding errors
 
 
 def as_meant(problem: CGCProblem) -> CGCProblem:
@@ -78,9 +77,7 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
         if up is None:
             break
         heights, plate = shape @ up, _Plate(_bending(problem, shape, F), shape, ~fixed)
-        if len(V) > LARGE_MESH:
-            # It hardly turns any more after the first time.
-            near = near or plate.factors()
+        near = near or plate.factors()  # it hardly turns any more after the first time
         shape = shape + (movable * (plate.carried(heights, near) - heights))[:, None] * up
     return problem.with_vertices(np.where(movable[:, None], shape, V))
 

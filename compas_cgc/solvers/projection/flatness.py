@@ -12,8 +12,7 @@ from ...discrete.arrays import IntArray
 
 __all__ = ["flat_share"]
 
-# fold relative to that of the target, below which a place is flat; a derivative of K by heights is then a hundredth of its value
-FLAT = 0.01
+FLAT = 0.01  # fold relative to that of the target, below which a place is flat; half and twice it give the same surfaces
 
 
 def _flat_vertices(vertices: FloatArray, faces: IntArray, wanted: FloatArray) -> NDArray[np.bool_]:

@@ -16,6 +16,7 @@ from ...linalg import factorise
 from ...linalg.work import rights
 from ...linalg.work import spend
 from ..constants import FACTORS
+from ..constants import KRYLOV
 from .found_curvature import CommonPart
 from .metric import Metric
 from .vectors import dot
@@ -23,10 +24,11 @@ from .vectors import norm
 
 __all__ = ["Cheapest", "LeastNorm", "Preconditioner", "Rows"]
 
-FEW = 15  # rounds of conjugate gradients before a preconditioner is made [rounds]; it costs as much as FACTORS rounds
-EARLY = 5  # rounds whose rate predicts the number of rounds [rounds]; a third of FEW
-FAR = 1.5  # predicted rounds over FEW from which a preconditioner is made at once; the prediction is rough
-MOST = 60  # rounds after which a step is taken as it is [rounds]; bounds the time, an inexact step is corrected by the next one
+# rounds of conjugate gradients before a preconditioner is made [rounds]; half and twice as many move surfaces by 1e-8 of the size at most
+FEW = 15
+EARLY = 5  # rounds whose rate predicts the number of rounds [rounds]; a third of FEW, and half and twice as many give the same surfaces
+# predicted rounds over FEW from which a preconditioner is made at once; a rough prediction, and half and twice it give the same surfaces
+FAR = 1.5
 SOFT = 1e-6  # regularisation of the preconditioner relative to the scale of the system; keeps it definite, and six digits of it
 LEAST = 1e-8  # scale of an equation relative to the largest; rows of slivers would dominate otherwise
 
@@ -110,14 +112,14 @@ class LeastNorm:
         goal = max(tolerance * norm(right), floor * math.sqrt(len(right)))
         part = EARLY / (FAR * FEW)
         hope = math.inf if self.preconditioner is not None else norm(right) ** (1.0 - part) * goal**part
-        found = self._close(start, goal, MOST if self._own else FEW, hope)
+        found = self._close(start, goal, KRYLOV if self._own else FEW, hope)
         if norm(found.residual) > goal and not self._own:
             try:
                 self.preconditioner = self._normal_moves()
                 self._own = True
             except SingularMatrixError:
                 pass  # Faces without area: what is found without it has to do.
-            found = self._close(found, goal, MOST if self._own else FEW - EARLY)
+            found = self._close(found, goal, KRYLOV if self._own else FEW - EARLY)
         return found if self._common is None else found._replace(multipliers=self._common.transposed(found.multipliers))
 
     def without_effect(self, gradient: FloatArray, tolerance: float) -> tuple[FloatArray, FloatArray]:

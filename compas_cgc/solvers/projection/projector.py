@@ -42,6 +42,7 @@ from .coarse_to_fine import ways_from_coarse
 from .drawing import as_meant
 from .energy import energy_meter
 from .found_curvature import FoundCurvature
+from .gauss_newton import FINISH
 from .goal_seeking import goal_ways
 from .iterate import Point
 from .limits import limit
@@ -66,7 +67,6 @@ from .system import System
 __all__ = ["Projector", "project", "ready"]
 
 READY = 3  # drawings whose matrices are kept; sliders and studies alternate between few
-POLISHING = 4  # steps to a surface that is symmetric to rounding [steps]; Newton's method needs one or two from NEAR
 
 LED = "it was reached in steps, with smaller values of the goal first"
 CLOSE = 0.25  # fraction of the rounding error at which these steps end; the last digits are then those of the symmetric surface
@@ -240,7 +240,7 @@ class Projector:
         system = self._keeping(kept)
         equations = system.equations(local.targets)
         best = symmetric_start(system, equations, reached.vertices)
-        polishing = until_spent(islice(made_symmetric(system, equations, reached.vertices), POLISHING))
+        polishing = until_spent(islice(made_symmetric(system, equations, reached.vertices), FINISH))
         while not best.fulfils(goal, CLOSE * system.floor):
             taken = next(polishing, None)
             if taken is None:

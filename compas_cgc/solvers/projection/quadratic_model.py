@@ -9,6 +9,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ..constants import KRYLOV
 from ..constants import LOOSE_RESIDUAL
 from .iterate import Point
 from .linearised import Linearised
@@ -17,7 +18,6 @@ from .vectors import dot
 
 __all__ = ["InnerStep", "QuadraticModel"]
 
-INNER = 40  # rounds of conjugate gradients in a step [rounds]; bounds the time, an inexact step is corrected by the next one
 FIRST_RESIDUAL = 1e-2  # relative residual of the first linear systems; far from the minimum the model errs by more
 FORCING = 1e-1  # fraction of the squared gradient that a step leaves; smaller near convergence (Eisenstat and Walker)
 NO_BEND = 1e-6  # curvature along a direction relative to that of the metric, below which it is zero; a step then ends at the trust region
@@ -84,7 +84,7 @@ class QuadraticModel:
         # The smaller the step, the more precise: quadratic convergence for no more rounds than needed.
         forcing = FORCING * min(1.0, math.sqrt(max(0.0, first) / self.energy)) if self.energy > 0.0 else FORCING
         step = np.zeros_like(residual)
-        while done < INNER and product > forcing * first:
+        while done < KRYLOV and product > forcing * first:
             turned = self._metric.times(direction)
             square, image = dot(direction, turned), turned + self._bend(direction)
             bend = dot(direction, image)

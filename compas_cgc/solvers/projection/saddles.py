@@ -35,7 +35,8 @@ CREEPING = 0.3  # factor on the merit in FINISH steps, above which a star is stu
 PATIENCE = 5  # rounds that have to gain [rounds]; folding one star may need its neighbours folded, too
 GAIN = 0.7  # factor on the residual in PATIENCE rounds; slower searches do not converge within ROUNDS
 STUCK = 0.1  # residual relative to the largest from which a star is folded; smaller ones follow from their neighbours
-STEP = 1e-3  # step of second differences over the mean edge; the fourth root of the rounding error is 1e-4, angles vary over an edge
+# step of second differences over the mean edge; near the fourth root of the rounding error, which balances truncation and rounding
+STEP = 1e-3
 FIRST = 1e-4  # smallest fold of a star over the mean edge; below, the star stays at the saddle point
 FARTHEST = 0.3  # largest fold of a star over the mean edge; larger ones turn faces over
 

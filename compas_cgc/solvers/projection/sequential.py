@@ -26,10 +26,11 @@ from .vectors import dot
 
 __all__ = ["NEAR", "Reached", "approach", "corrected"]
 
-SMALL = 0.13  # fraction of a step that counts as short; three halvings
-TIRED = 3  # short steps in a row that end the search [steps]; second derivatives are then needed
+SMALL = 0.13  # fraction of a step that counts as short; three halvings, and half and twice it give the same surfaces
+# short steps in a row that end the search [steps]; second derivatives are then needed, and half and twice as many give the same surfaces
+TIRED = 3
 NEAR = 1e-2  # residual relative to the prescribed curvature that is near enough; errors of 1 % are below those of coarse meshes
-CALM = 0.02  # squared step over the energy at which second derivatives take over; moves of a seventh, where the quadratic model holds
+CALM = 0.02  # squared step over the energy at which second derivatives take over; half of it moves one surface by 3e-4 of the size
 
 
 class Reached(NamedTuple):

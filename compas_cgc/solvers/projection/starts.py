@@ -23,8 +23,8 @@ from .system import System
 
 __all__ = ["is_flat", "starts"]
 
-NEARLY = 0.05  # residual relative to the prescribed curvature up to which a drawing is the start; within 5 % Newton's method stays at it
-# share of the prescribed curvature in flat places above which a drawing is no start; K does not change to first order there
+NEARLY = 0.05  # residual relative to the prescribed curvature up to which a drawing is the start; half and twice it give the same surfaces
+# share of the prescribed curvature in flat places above which a drawing is no start; half and twice it give the same surfaces
 FLAT_SHARE = 0.1
 
 

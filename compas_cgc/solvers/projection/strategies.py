@@ -51,12 +51,13 @@ from .trust_region import refine
 __all__ = ["smoothed_first", "ways", "ways_from_near"]
 
 SMOOTHER = (1.0, 0.5, 2.5)  # factors on the smoothness of least-norm steps, one after the other; where one stalls another may converge
-ENOUGH = 30  # vertices with K̄ for polynomial fits [vertices]; a fit over two rings has nineteen
+# vertices with K̄ for polynomial fits [vertices]; a fit over two rings has nineteen, and half and twice as many give the same surfaces
+ENOUGH = 30
 ALMOST = 1e-5  # longest move relative to the size of a shape that is brought to rest next; two Newton steps reach rounding from there
 # distance of a drawing from the smoothest shape through its rim, relative to the size, above which it is kept; less is invisible
 MEANT = 0.01
-PATIENT = 4  # steps for each weight of K on the way to a smooth shape [steps]; twice as many as for other shapes
-HELD = 8  # the same where K < 0 is held all around [steps]; such rims have too many conditions and converge slowly
+PATIENT = 4  # steps for each weight of K [steps]; on an irregular mesh with K < 0, half and twice as many lead to another fair surface
+HELD = 8  # the same where K < 0 is held all around [steps]; such rims converge slowly, and half and twice as many give the same surfaces
 
 _Smoothing = Callable[[System, CurvatureEquations, Reached], Iterator[Taken]]
 _Search = Generator[Taken, None, Optional[Reached]]

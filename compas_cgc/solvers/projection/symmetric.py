@@ -19,7 +19,8 @@ from .system import System
 
 __all__ = ["kept_symmetries", "made_symmetric", "symmetric_start"]
 
-NEAR = 2e-3  # distance of a surface from its image relative to the size, below which symmetry is intended; less than is visible
+# distance of a surface from its image relative to the size, below which symmetry is intended; half and twice it give the same surfaces
+NEAR = 2e-3
 
 
 def kept_symmetries(vertices: FloatArray, size: float, symmetries: list[Image]) -> Optional[list[Image]]:

@@ -61,9 +61,10 @@ MEASURE = 0.5  # work of measuring the equations [right sides]; estimate of the 
 LINES = 3.0  # work of their derivatives [right sides]; estimate of the time, which affects the work limit only
 # derivative of an angle in the local frame above which it is dropped [1/L]; an edge of 1e-8, whose direction is a rounding error
 STEEPEST = 1e8
-FLAT_SHARE = 0.5  # flat share of a drawing above which its heights are not kept; most of it then bends nowhere
-RELAXING = 2  # times that drawn heights are relaxed; each changes what bending means by less than the one before
-SETTLING = 5  # moves onto curved constraints [steps]; Newton's method converges quadratically from drawn positions
+# flat share of a drawing above which its heights are not kept; most of it bends nowhere, and half and twice it give the same surfaces
+FLAT_SHARE = 0.5
+RELAXING = 2  # times that drawn heights are relaxed; half and twice as many give the same surfaces
+SETTLING = 5  # moves onto curved constraints [steps]; they converge quadratically, and half and twice as many give the same surfaces
 
 
 class KeptDrawing(NamedTuple):

@@ -24,17 +24,19 @@ from .turning import Turning
 
 __all__ = ["refine"]
 
-CELLS = 3  # renewals of the kinds of cells; kinks of mixed areas at right angles stop quadratic convergence otherwise
+# renewals of the kinds of cells; kinks of mixed areas stop quadratic convergence, and half and twice as many give the same surfaces
+CELLS = 3
 FIRST = 1e-2  # initial radius over the root of the energy; grows in a few steps where the model holds
 LITTLE = 0.1  # actual over predicted decrease below which a step is rejected; Conn, Gould and Toint
 WELL = 0.7  # actual over predicted decrease above which the radius grows; Conn, Gould and Toint
 SHRINK = 0.25  # factor on the radius after a rejected step; Conn, Gould and Toint
 GROW = 2.5  # factor on the radius after a good step; Conn, Gould and Toint
-BACK = 3  # moves back onto the equations after a step; fewer than a new step costs
+BACK = 3  # moves back onto the equations after a step; a new step costs more, and half and twice as many give the same surfaces
 ON = 1e-4  # residual relative to the prescribed curvature on the equations; below what the model of the energy resolves
 SETTLED = 1e-7  # longest move relative to the size that ends a search; the square of the next step is at rounding level
 POINTLESS = 3e-3  # decrease relative to the energy for which a step is not shortened again; invisible changes of the shape
-AIMLESS = 0.5  # ratio of a step to the one before, above which the search wanders; with unknown K all shapes may be equally fair
+# ratio of a step to the one before, above which the search wanders where K is unknown; half and twice it give the same surfaces
+AIMLESS = 0.5
 SMALLEST_STEP = 1e-4  # step over the root of the energy whose decrease is below rounding; the fourth root of the rounding error
 
 

@@ -180,15 +180,16 @@ def test_petals_that_dip_under_their_edge_are_told_with_the_goal_that_keeps_them
     assert kept.vertices[:, 2].min() > -1e-9
 
 
-def test_a_large_plate_turns_as_a_small_one_does(monkeypatch):
-    """With factors of the turn before, where small ones take new factors."""
+def test_a_plate_turns_with_factors_of_the_turn_before(monkeypatch):
+    """As with new factors for every turn."""
     problem = lifted((3, 0, 0, 3))
-    every = as_meant(problem).vertices
     made = []
-    monkeypatch.setattr(drawing, "LARGE_MESH", 0)
     monkeypatch.setattr(drawing, "factorise", lambda *given, **how: made.append(1) or factorise(*given, **how))
-    assert np.abs(as_meant(problem).vertices - every).max() < 1e-6
+    found = as_meant(problem).vertices
     assert len(made) == 3
+    monkeypatch.setattr(drawing, "nearly_solved", lambda *given: None)
+    assert np.abs(as_meant(problem).vertices - found).max() < 1e-6
+    assert len(made) == 10
 
 
 @pytest.mark.parametrize(("relief", "off"), [(0.0, 0.05), (1.0, 0.25)])
