@@ -260,7 +260,7 @@ def _notes(patterns: Patterns) -> list[str]:
         "drawn 1:1; lengths in texts are in mm; pieces are seen from outside, with the size of the surface at the middle of the thickness",
         outside_note(outside_is_above(face_normals(patterns.problem.vertices, patterns.problem.faces))),
         "engraving lies on the outside; mirror the sheets to engrave the inside",
-        "pieces meet edge to edge: no gap is taken off at seams, and no holes, fixings or tolerances are included",
+        "pieces meet edge to edge: no gap is left at seams, and no holes, fixings or tolerances are included",
         patterns.free,
         *curvature_notes(key_of(patterns.problem)),
     ]

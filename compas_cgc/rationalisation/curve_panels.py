@@ -147,7 +147,9 @@ def curve_panels(surface: SplineSurface, rims: Sequence[FloatArray], seams: Sequ
     reach = POINT * np.ptp(surface.domain, axis=1)
     on_side = (np.abs(opened[..., None] - surface.domain).min(axis=3) <= reach).all(axis=1)
     if on_side[:, list(surface.closed)].any():
-        raise MeshError("the design is closed, and seams meet its parameter line at different places on both sides; use a grid of seams")
+        raise MeshError(
+            "the design is closed, and its seams do not match along the line where its two sides are joined; use a grid of seams"
+        )
     return Panelling(joined.vertices, clean.faces, panels, uv[first], np.column_stack([rim, rim]))
 
 

@@ -88,7 +88,7 @@ def _astray(vertex: int, system: System) -> str:
     # Their numbers are in the local frame, which is nobody's.
     names = list(dict.fromkeys("the height of vertices" if isinstance(goal, Height) else goal_name(goal) for goal in own))
     if len(own) == 1:
-        text = Sentence("vertex {} cannot fulfil its constraints: {} is out of its reach; move or remove it")
+        text = Sentence("vertex {} cannot fulfil its constraints: {} is out of its reach; move or remove that constraint")
         return text.format(vertex, names[0])
     there = Sentence(": {} contradict each other there").format(listed(names)) if len(names) > 1 else ""
     return Sentence("vertex {} cannot fulfil its constraints{}; remove one of them").format(vertex, there)
