@@ -201,7 +201,7 @@ def test_a_law_given_to_solve_is_that_of_the_result():
     result = solve(mesh, laws="H = 0.1")
     assert str(result.mesh.region_law(0)) == str(result.problem.laws[0]) == "H = 0.1"
     assert mesh.region_law(0) is None
-    with pytest.raises(ValueError, match="only the method 'bending' takes laws"):
+    with pytest.raises(ValueError, match="only the method 'bending' accepts laws"):
         solve(mesh, laws="H = 0.1", method="newton")
     with pytest.raises(ValueError, match="the measure 'exact' supports constant K only"):
         solve(mesh, laws="H = 0.1", settings={"measure": "exact"})
