@@ -37,7 +37,7 @@ def solved(sample):
 
 def area(face):
     """Return the area of a face by triangles [m^2]; the integration of OpenCASCADE is not precise on rational surfaces."""
-    vertices, faces, _ = occt.tesselate(face, 1.0, 0.1)
+    vertices, faces, _ = occt.tesselate(face, 5.0, 0.1)
     return 1e-6 * face_areas(np.asarray(vertices).reshape(-1, 3), np.asarray(faces).reshape(-1, 3)).sum()
 
 
