@@ -141,7 +141,9 @@ def _check_length(item: Item, edge_length: float, unit: str) -> None:
         what = f"would divide it more than {MAX_EDGES} times"
     else:
         return
-    raise FileError(f"an edge length of {edge_length:g}{unit} {what}: {item.label} has a size of {size:.3g}{unit}; give it in its unit")
+    raise FileError(
+        f"an edge length of {edge_length:g}{unit} {what}: {item.label} has a size of {size:.3g}{unit}; give the edge length in the unit of the drawing"
+    )
 
 
 def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: float, creases: Sequence[FloatArray]) -> tuple[Meshed, float]:

@@ -182,7 +182,7 @@ SEARCHES: dict[str, Search] = {
             (
                 BuildOption(
                     "moulds",
-                    "number of moulds (default: 4, or the fewest that keep the distance within)",
+                    "number of moulds (default: 4, or with within, the fewest for this distance)",
                     values.whole,
                     {"type": "integer", "minimum": 1, "maximum": 64},
                 ),
@@ -208,7 +208,7 @@ SEARCHES: dict[str, Search] = {
                 ),
                 BuildOption(
                     "costs",
-                    "costs of a mould and of a panel off it, by kinds; with within, the cheapest surface that keeps this distance is found",
+                    "costs of a mould and of a panel made on it, for each kind of mould; with within, the cheapest surface is found",
                     _costs,
                     {"type": "object", "required": list(KINDS), "additionalProperties": False, "properties": dict.fromkeys(KINDS, _PAIR)},
                 ),
