@@ -142,7 +142,8 @@ def _check_length(item: Item, edge_length: float, unit: str) -> None:
     else:
         return
     raise FileError(
-        f"an edge length of {edge_length:g}{unit} {what}: {item.label} has a size of {size:.3g}{unit}; give the edge length in the unit of the drawing"
+        f"an edge length of {edge_length:g}{unit} {what}: {item.label} has a size of {size:.3g}{unit}; "
+        "give the edge length in the unit of the drawing"
     )
 
 
