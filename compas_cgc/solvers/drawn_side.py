@@ -7,16 +7,13 @@ import math
 import numpy as np
 
 from ..discrete import face_areas
-from ..discrete.arrays import FloatArray
-from ..discrete.laplacian import cotangent_laplacian
 from ..discrete.mean import mean_curvature
 from ..discrete.normals import vertex_normals
-from ..linalg.solvers import factorise
 from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Rise
 from ..model.problem import CGCProblem
-from ..model.roles import FIXED
 from .constants import SIDE_SHARE
+from .evened import taut
 
 __all__ = ["hangs", "is_drawn_below"]
 
@@ -41,14 +38,6 @@ def is_drawn_below(problem: CGCProblem) -> bool:
     if not bent < -BENT * math.sqrt(K):
         return False
     # A rim that sags says nothing: what counts is what lies under the surface that is taut over it.
-    away = np.einsum("ij,ij->i", problem.vertices - _taut(problem), vertex_normals(problem.vertices, problem.faces))
+    away = np.einsum("ij,ij->i", problem.vertices - taut(problem), vertex_normals(problem.vertices, problem.faces))
     rise = float(face_areas(problem.vertices, problem.faces).sum()) * math.sqrt(K) / (4.0 * math.pi)
     return float(np.mean(away[asked])) < -SIDE_SHARE * rise
-
-
-def _taut(problem: CGCProblem) -> FloatArray:
-    """Return the drawing (n, 3) with every vertex that may move at the mean of those around it, weighted as they are drawn."""
-    taut, free = problem.vertices.copy(), problem.roles != FIXED
-    rows = cotangent_laplacian(problem.vertices, problem.faces)[free]
-    taut[free] = factorise(-rows[:, free].tocsr(), symmetric=True, refine=False).solve(rows[:, ~free] @ problem.vertices[~free])
-    return taut

@@ -17,7 +17,7 @@ from ..model.roles import DUMMY
 from ..model.roles import FIXED
 from .coarse import plan_of
 
-__all__ = ["evened"]
+__all__ = ["evened", "taut"]
 
 GAIN = 2.0  # factor by which the smallest angle must grow for a new layout; a smaller gain is not worth the moves of all vertices
 
@@ -62,3 +62,11 @@ def evened(problem: CGCProblem, surface: FloatArray) -> Optional[FloatArray]:
         return None
     before, after = (float(corner_angles(V, problem.faces).min()) for V in (surface, result))
     return result if after > GAIN * before else None
+
+
+def taut(problem: CGCProblem) -> FloatArray:
+    """Return the drawing (n, 3) with every vertex that may move at the mean of those around it, weighted as they are drawn."""
+    taut, free = problem.vertices.copy(), problem.roles != FIXED
+    rows = cotangent_laplacian(problem.vertices, problem.faces)[free]
+    taut[free] = factorise(-rows[:, free].tocsr(), symmetric=True, refine=False).solve(rows[:, ~free] @ problem.vertices[~free])
+    return taut

@@ -8,6 +8,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
 from ..discrete.space_form import EXACT
 from ..errors import joined
 from ..model.goals.wholes import Unknown
@@ -27,6 +28,7 @@ from .determined import held_to_goals
 from .drawn_side import hangs
 from .drawn_side import is_drawn_below
 from .evened import evened
+from .evened import taut
 from .half_sphere import with_half_a_sphere
 from .larger_cap import with_larger_cap
 from .reasons import DRAWN_IN
@@ -82,7 +84,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         solution = own.solved(posed, problem)
         if solution is None:
             continue
-        even = None if solution.verdict is None or solution.is_fair else evened(posed, solution.vertices)
+        even = _evened(posed, solution)
         if even is not None:
             again = own.solved(posed.with_vertices(even), problem.with_vertices(even))
             if again is not None and again.is_fair:
@@ -110,6 +112,15 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     if best.method == "bending" and best.status != "cancelled" and has_free_edges(problem) and not contradiction(problem):
         why = joined([*filter(None, [why]), DRAWN_IN])
     return _told(best, choice, tried, why)
+
+
+def _evened(problem: CGCProblem, solution: Solution) -> Optional[FloatArray]:
+    """Return the drawing (n, 3) laid out evenly over a rough surface, or pulled taut over its rim where none was found; else None."""
+    if solution.is_fair or solution.status in ("cancelled", "infeasible"):
+        return None
+    if solution.verdict is not None:
+        return evened(problem, solution.vertices)
+    return taut(problem) if is_held_all_round(problem) else None
 
 
 class _Attempt(NamedTuple):

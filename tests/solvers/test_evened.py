@@ -9,15 +9,16 @@ from compas_cgc import solve
 from compas_cgc.discrete.corners import corner_angles
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.evened import evened
+from compas_cgc.solvers.evened import taut
 
 from ..support.tiers import push_only
 from ..system.fairness_study import mesh
 
 
-def half_sphere(layout="irregular"):
+def half_sphere(layout="irregular", count=300, seed=3):
     """A unit half sphere whose triangles are even on it, and stand upright at the rim."""
     t = 2 * np.pi * np.arange(720) / 720
-    V, F = mesh([np.column_stack([np.cos(t), np.sin(t)])], layout, 300, np.random.default_rng(3))
+    V, F = mesh([np.column_stack([np.cos(t), np.sin(t)])], layout, count, np.random.default_rng(seed))
     r = np.hypot(*V[:, :2].T)
     angle = 0.5 * np.pi * r / r.max()
     V = np.column_stack([V[:, :2] / np.maximum(r, 1e-300)[:, None] * np.sin(angle)[:, None], np.cos(angle)])
@@ -63,6 +64,23 @@ def test_triangles_of_a_half_sphere_laid_out_over_its_plan_are_similar():
     r, rho = np.hypot(*problem.vertices[:, :2].T), np.hypot(*even[:, :2].T)
     assert rho == pytest.approx(r / (1.0 + problem.vertices[:, 2]), abs=0.01) and np.abs(even[:, 2]).max() == 0.0
     assert corner_angles(flat, problem.faces).min() < np.radians(5) < np.radians(25) < corner_angles(even, problem.faces).min()
+
+
+@pytest.mark.parametrize("K", push_only([0.5, 0.1, 0.01], 0.5))
+@pytest.mark.parametrize("layout", push_only([("irregular", 600, 4), ("irregular", 300, 7), ("delaunay", 900, 5)], ("irregular", 600, 4)))
+def test_needles_in_plan_hide_no_cap(layout, K):
+    """Over their plan triangles have angles down to a fraction of a degree, in which Newton's method from the drawing gets stuck."""
+    drawn = half_sphere(*layout)
+    assert np.degrees(corner_angles(drawn.vertices * [1.0, 1.0, 0.0], drawn.faces).min()) < 2.0
+    result = solve(drawn.with_targets(K))
+    assert result.verdict.fair, result.message
+    assert np.linalg.norm(result.vertices + [0.0, 0.0, np.sqrt(1.0 / K - 1.0)], axis=1) == pytest.approx(K**-0.5, abs=1e-3)
+
+
+def test_a_flat_drawing_is_taut():
+    drawn = half_sphere()
+    flat = drawn.with_vertices(drawn.vertices * [1.0, 1.0, 0.0])
+    assert taut(flat) == pytest.approx(flat.vertices, abs=1e-12)
 
 
 def test_triangles_that_would_not_gain_stay():
