@@ -7,17 +7,20 @@ from typing import Optional
 import numpy as np
 
 from ..discrete import boundary_vertices
+from ..discrete import face_areas
+from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.corners import corner_angles
 from ..discrete.laplacian import cotangent_laplacian
 from ..linalg import factorise
 from ..meshing.carry_over import CarryOver
+from ..model.goals.wholes import is_of_whole
 from ..model.problem import CGCProblem
 from ..model.roles import DUMMY
 from ..model.roles import FIXED
 from .coarse import plan_of
 
-__all__ = ["evened", "taut"]
+__all__ = ["evened", "pulled_taut", "taut"]
 
 GAIN = 2.0  # factor by which the smallest angle must grow for a new layout; a smaller gain is not worth the moves of all vertices
 
@@ -64,9 +67,23 @@ def evened(problem: CGCProblem, surface: FloatArray) -> Optional[FloatArray]:
     return result if after > GAIN * before else None
 
 
+def pulled_taut(problem: CGCProblem) -> Optional[FloatArray]:
+    """Return the drawing (n, 3) pulled taut over its boundary, None where goals name places of it, or triangles would not gain.
+
+    Where a drawing is steep, its triangles are needles in plan, or overlap there, although they are even in space.
+    """
+    if not all(is_of_whole(goal) for goal in problem.goals) or (problem.roles == DUMMY).any():
+        return None
+    result = taut(problem)
+    normal = face_areas(problem.vertices, problem.faces) @ face_normals(problem.vertices, problem.faces)
+    along = np.linalg.svd(normal[None])[2][1:]
+    before, after = (float(corner_angles(V, problem.faces).min()) for V in (problem.vertices @ along.T @ along, result))
+    return result if after > GAIN * before else None
+
+
 def taut(problem: CGCProblem) -> FloatArray:
-    """Return the drawing (n, 3) with every vertex that may move at the mean of those around it, weighted as they are drawn."""
-    taut, free = problem.vertices.copy(), problem.roles != FIXED
+    """Return the drawing (n, 3) with vertices other than supports and boundary at the mean of those around them, weighted as drawn."""
+    taut, free = problem.vertices.copy(), (problem.roles != FIXED) & ~boundary_vertices(problem.vertices, problem.faces)
     rows = cotangent_laplacian(problem.vertices, problem.faces)[free]
     taut[free] = factorise(-rows[:, free].tocsr(), symmetric=True, refine=False).solve(rows[:, ~free] @ problem.vertices[~free])
     return taut

@@ -28,7 +28,7 @@ from .determined import held_to_goals
 from .drawn_side import hangs
 from .drawn_side import is_drawn_below
 from .evened import evened
-from .evened import taut
+from .evened import pulled_taut
 from .half_sphere import with_half_a_sphere
 from .larger_cap import with_larger_cap
 from .reasons import DRAWN_IN
@@ -115,12 +115,11 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
 
 
 def _evened(problem: CGCProblem, solution: Solution) -> Optional[FloatArray]:
-    """Return the drawing (n, 3) laid out evenly over a rough surface, or pulled taut over its rim where none was found; else None."""
+    """Return the drawing (n, 3) with even triangles over a rough surface, or pulled taut over its boundary; None where neither gains."""
     if solution.is_fair or solution.status in ("cancelled", "infeasible"):
         return None
-    if solution.verdict is not None:
-        return evened(problem, solution.vertices)
-    return taut(problem) if is_held_all_round(problem) else None
+    even = None if solution.verdict is None else evened(problem, solution.vertices)
+    return pulled_taut(problem) if even is None else even
 
 
 class _Attempt(NamedTuple):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from compas_cgc import Rise
 from compas_cgc import solve
 from compas_cgc.discrete.corners import corner_angles
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import FIXED
 from compas_cgc.solvers.evened import evened
 from compas_cgc.solvers.evened import taut
 
@@ -75,6 +77,26 @@ def test_needles_in_plan_hide_no_cap(layout, K):
     result = solve(drawn.with_targets(K))
     assert result.verdict.fair, result.message
     assert np.linalg.norm(result.vertices + [0.0, 0.0, np.sqrt(1.0 / K - 1.0)], axis=1) == pytest.approx(K**-0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("count", push_only([4, 6], 4))
+def test_the_shape_of_a_half_sphere_hides_no_cap_on_points_of_its_rim(count):
+    """The rim is free between the points, and stays over its circle: the crown is within 2 % of that over a flat disk."""
+    drawn = half_sphere()
+    rim = np.flatnonzero(drawn.roles == FIXED)
+    angle = np.arctan2(drawn.vertices[rim, 1], drawn.vertices[rim, 0])
+    points = rim[[np.argmin(np.abs(np.angle(np.exp(1j * (angle - 2.0 * np.pi * k / count))))) for k in range(count)]]
+    bare = CGCProblem(drawn.vertices, drawn.faces).with_supports(points.tolist()).with_targets(0.1)
+    results = [solve(own) for own in (bare, bare.with_vertices(taut(drawn)))]
+    assert [result.verdict.fair for result in results] == [True, True], results[0].message
+    crowns = [float(np.ptp(result.vertices[:, 2])) for result in results]
+    assert crowns[0] == pytest.approx(crowns[1], rel=0.02)
+
+
+def test_a_rise_of_a_half_sphere_is_that_of_a_lower_cap():
+    result = solve(half_sphere("irregular", 600, 4), goals=[Rise(0.3)], unknown="all", targets=0.5)
+    assert result.verdict.fair, result.message
+    assert result.problem.targets[result.problem.asked] == pytest.approx((2 * 0.3 / (1 + 0.3**2)) ** 2, rel=5e-3)
 
 
 def test_a_flat_drawing_is_taut():
