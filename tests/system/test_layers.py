@@ -36,9 +36,9 @@ INSIDE = {
     "solvers": [
         {"constants", "settings"},
         {"allowance", "method", "carried", "coarse", "half_sphere"},
-        {"newton", "polish"},
+        {"newton", "polish", "evened"},
         {"projection"},
-        {"rising", "determined", "drawn_side", "evened"},
+        {"rising", "determined", "drawn_side"},
         {"larger_cap"},
         {"flow", "limits"},
         {"reasons", "registry"},
