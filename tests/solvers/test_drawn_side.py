@@ -38,7 +38,7 @@ def test_a_bowl_stays_on_the_side_that_it_is_drawn_on(creases, turned):
         assert result.verdict.fair, result.message
         heights = np.sign(height) * result.vertices[:, 2]
         assert heights.min() > -1e-9 and heights.max() > 0.3
-        assert ("away from its normals" in result.message) is ((height < 0) is not turned)
+        assert ("rises against the normals" in result.message) is ((height < 0) is not turned)
 
 
 def test_what_says_no_side_goes_along_its_normals():
