@@ -12,6 +12,7 @@ from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.corners import corner_angles
 from ..discrete.laplacian import cotangent_laplacian
+from ..linalg import SingularMatrixError
 from ..linalg import factorise
 from ..meshing.carry_over import CarryOver
 from ..model.goals.wholes import is_of_whole
@@ -74,7 +75,10 @@ def pulled_taut(problem: CGCProblem) -> Optional[FloatArray]:
     """
     if not all(is_of_whole(goal) for goal in problem.goals) or (problem.roles == DUMMY).any():
         return None
-    result = taut(problem)
+    try:
+        result = taut(problem)
+    except SingularMatrixError:  # All faces around a vertex have no area.
+        return None
     normal = face_areas(problem.vertices, problem.faces) @ face_normals(problem.vertices, problem.faces)
     along = np.linalg.svd(normal[None])[2][1:]
     before, after = (float(corner_angles(V, problem.faces).min()) for V in (problem.vertices @ along.T @ along, result))

@@ -9,7 +9,6 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
-from ..constants import LOCAL_ROUNDING
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
@@ -21,6 +20,9 @@ __all__ = ["kept_symmetries", "made_symmetric", "symmetric_start"]
 
 # distance of a surface from its image relative to the size, below which symmetry is intended; half and twice it give the same surfaces
 NEAR = 2e-3
+SYMMETRIC = (
+    1e-14  # distance from its image relative to the size, up to which a surface is symmetric; 45 rounding errors of a turned coordinate
+)
 
 
 def kept_symmetries(vertices: FloatArray, size: float, symmetries: list[Image]) -> Optional[list[Image]]:
@@ -30,7 +32,7 @@ def kept_symmetries(vertices: FloatArray, size: float, symmetries: list[Image]) 
     """
     gaps = [_gap(vertices, image) for image in symmetries]
     kept = [image for image, gap in zip(symmetries, gaps) if gap <= NEAR * size]
-    if len(kept) < 2 or max(gap for gap in gaps if gap <= NEAR * size) <= LOCAL_ROUNDING * size:
+    if len(kept) < 2 or max(gap for gap in gaps if gap <= NEAR * size) <= SYMMETRIC * size:
         return None
     known = {tuple(image.to.tolist()) for image in kept}
     closed = all(tuple(one.to[other.to].tolist()) in known for one in kept for other in kept)
