@@ -10,7 +10,6 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
-from ..constants import DECREASE
 from ..constants import LOOSE_RESIDUAL
 from ..constants import PATIENCE
 from ..constants import SHORTEST
@@ -24,6 +23,7 @@ from .vectors import norm
 
 __all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "line_search"]
 
+DECREASE = 0.1  # fraction of the predicted decrease that a step has to bring; 0.01 accepts steps that rounding makes near convergence
 SLOW = 0.9  # factor on the merit within PATIENCE; slower searches do not converge within the step limit
 FULFILLED = 1e-8  # residual relative to the prescribed curvature from which steps converge quadratically; the root of the rounding error
 FINISH = 4  # steps that have to gain at the end [steps]; rounding level is reached if they do not
