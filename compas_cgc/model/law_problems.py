@@ -31,8 +31,7 @@ def law_problems(problem: CGCProblem) -> list[Diagnostic]:
         text = (
             "with laws other than constant K and without free edges, there can be only one height of a vertex or goal of the whole surface "
             "for each region with an unknown constant (unknown=[region], --unknown, or the goal Unknown); the constant "
-            "in the drawing, such "
-            "as 0.1 in H = 0.1, is the initial guess and must not be 0"
+            "in the drawing, such as 0.1 in H = 0.1, is the initial guess and must not be 0"
         )
         problems.append(Diagnostic(text))
     for region, law in problem.laws.items():

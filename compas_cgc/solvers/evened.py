@@ -10,6 +10,7 @@ from ..discrete import boundary_vertices
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Mask
 from ..discrete.corners import corner_angles
 from ..discrete.laplacian import cotangent_laplacian
 from ..linalg import SingularMatrixError
@@ -53,9 +54,7 @@ def evened(problem: CGCProblem, surface: FloatArray) -> Optional[FloatArray]:
     plan, _ = seen
     held = boundary_vertices(surface, problem.faces) | (problem.roles == FIXED)
     held[problem.creases] = True
-    stiffness = cotangent_laplacian(problem.vertices, problem.faces)[~held]
-    places = plan.copy()
-    places[~held] = factorise(stiffness[:, ~held].tocsr(), symmetric=True).solve(-(stiffness[:, held] @ plan[held]))
+    places = _harmonic(problem, plan, held)
     result = surface.copy()
     labels = problem.regions()
     for region in np.unique(labels):
@@ -87,7 +86,12 @@ def pulled_taut(problem: CGCProblem) -> Optional[FloatArray]:
 
 def taut(problem: CGCProblem) -> FloatArray:
     """Return the drawing (n, 3) with vertices other than supports and boundary at the mean of those around them, weighted as drawn."""
-    taut, free = problem.vertices.copy(), (problem.roles != FIXED) & ~boundary_vertices(problem.vertices, problem.faces)
-    rows = cotangent_laplacian(problem.vertices, problem.faces)[free]
-    taut[free] = factorise(-rows[:, free].tocsr(), symmetric=True, refine=False).solve(rows[:, ~free] @ problem.vertices[~free])
-    return taut
+    return _harmonic(problem, problem.vertices, (problem.roles == FIXED) | boundary_vertices(problem.vertices, problem.faces))
+
+
+def _harmonic(problem: CGCProblem, places: FloatArray, held: Mask) -> FloatArray:
+    """Return places (n, k) that are harmonic on the drawing but for those that are held (n,)."""
+    stiffness = cotangent_laplacian(problem.vertices, problem.faces)[~held]
+    result = places.copy()
+    result[~held] = factorise(stiffness[:, ~held].tocsr(), symmetric=True).solve(-(stiffness[:, held] @ places[held]))
+    return result
