@@ -64,6 +64,7 @@ def test_the_code_of_a_page_runs(path, tmp_path, monkeypatch, capsys):
         shutil.copy(compas_cgc.get(name), tmp_path / name)
     # What a page calls the reader's own file.
     shutil.copy(compas_cgc.get("nine_regions.3dm"), tmp_path / "roof.3dm")
+    shutil.copy(compas_cgc.get("vault.3dm"), tmp_path / "design.3dm")
     for name, text in re.findall(r'^```toml title="([^"]+)"\n(.*?)^```', path.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE):
         (tmp_path / name).write_text(text, encoding="utf-8")
     names: dict = {"__name__": "page"}

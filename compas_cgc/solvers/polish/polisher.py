@@ -162,12 +162,17 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     if coarse is not None:
         kept = keeps_shape(problem) if settings.keep == "auto" else settings.keep == "shape"
         settings = replace(settings, keep="shape" if kept else "plan")
-        before = _fairest(coarse.problem, settings, None, _carried(callback, coarse, not kept))
+        before = _evenly(coarse.problem, settings, tried, [], _carried(callback, coarse, not kept))
         surfaces = [branch.vertices for branch in before.solution.branches] or [before.solution.vertices]
         begun, tried = [coarse.carried(vertices, anew=not kept) for vertices in surfaces], (before.evenness,)
+    return _evenly(problem, settings, tried, begun or [], callback)
+
+
+def _evenly(problem: CGCProblem, settings: PolishSettings, tried: tuple[float, ...], begun: list[FloatArray], callback: Callback) -> _Found:
+    """Return the first fair surface for one length of even curvature after another, else the least rough."""
     found: list[_Found] = []
     for evenness, lifted in [(own, False) for own in tried] + [(own, True) for own in tried[1:2]]:
-        solution = _least_energy(problem, replace(settings, evenness=evenness), begun or [], callback, lifted)
+        solution = _least_energy(problem, replace(settings, evenness=evenness), begun, callback, lifted)
         if solution is None:
             break
         if evenness and settings.evenness is None:
