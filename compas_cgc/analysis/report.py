@@ -54,9 +54,9 @@ class RegionReport:
     target
         K̄, None if it is not one number [1/L^2].
     max_error
-        Largest |K - K̄| [1/L^2].
+        Largest |K - K̄| where K is read: with mid-edge normals more than two edges from supports [1/L^2].
     rms_error
-        Root mean square of K - K̄ [1/L^2].
+        Root mean square of K - K̄ there [1/L^2].
     total_curvature
         Sum of angle defects over sum of vertex areas [1/L^2].
     quadric_median
@@ -87,8 +87,8 @@ class RegionReport:
     area: float  # [L^2]
     asked: int  # number of internal vertices
     target: Optional[float]  # K̄, None if it is not one number [1/L^2]
-    max_error: Optional[float]  # largest |K - K̄| [1/L^2]
-    rms_error: Optional[float]  # root mean square of K - K̄ [1/L^2]
+    max_error: Optional[float]  # largest |K - K̄| where K is read [1/L^2]
+    rms_error: Optional[float]  # root mean square of K - K̄ there [1/L^2]
     total_curvature: Optional[float]  # sum of angle defects over sum of vertex areas [1/L^2]
     quadric_median: Optional[float]  # median K of local quadric fits [1/L^2]
     quadric_low: Optional[float]  # first decile of the same [1/L^2]
@@ -224,6 +224,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, 
     surface
         A result, mesh or problem with targets; dummies are ignored. K of a solved surface is read in the measure of
         its solve, that of others by mid-edge normals, or in the smooth measure where the whole rim is fixed and K̄ > 0.
+        Mid-edge normals read K more than two edges from supports, beside which the exact surface may be singular.
     reference
         The input of the solve, for displacements.
     others
@@ -280,7 +281,7 @@ def _regions(problem: CGCProblem, label: IntArray, creases: Edges, K: PerVertex)
     for number in range(label.max(initial=-1) + 1):
         own = asked & (region == number)
         targets = np.unique(problem.targets[own])
-        error = of_laws[number].residuals if number in of_laws else (K - problem.targets)[own]
+        error = of_laws[number].residuals if number in of_laws else (K - problem.targets)[own & np.isfinite(K)]
         fit = fitted.gaussian[own & np.isfinite(fitted.gaussian)]
         some, fits = error.size > 0, fit.size > 0
         low, middle, high = np.percentile(fit, [10, 50, 90]).tolist() if fits else (None, None, None)

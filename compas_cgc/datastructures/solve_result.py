@@ -74,7 +74,7 @@ class SolveResult:
     seconds
         Wall time of the solve [s].
     max_error
-        Largest |K - K̄| over the internal vertices [1/L^2].
+        Largest residual of the equations K = K̄ [1/L^2]; ``analyse`` reports the error of K that is read off the surface.
     history
         Energy, error norm, largest error, step length and trials of every step.
     method
@@ -197,7 +197,7 @@ class SolveResult:
 
     @cached_property
     def curvature(self) -> PerVertex:
-        """Gaussian curvature at each vertex in the measure of the solve, NaN where none is prescribed (n,) [1/L^2]."""
+        """Gaussian curvature at each vertex in the measure of the solve, NaN where it is not prescribed or read (n,) [1/L^2]."""
         return measured_curvature(self.problem, self.measure)
 
     @property

@@ -10,8 +10,8 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.measured_curvature import measured_curvature
 from .laws import Law
+from .measures import read_inwards
 from .problem import CGCProblem
-from .roles import INTERNAL
 
 __all__ = ["LawErrors", "law_errors"]
 
@@ -19,7 +19,7 @@ FLAT = 1e-3  # smallest reference curvature times the size of the surface; the s
 
 
 class LawErrors(NamedTuple):
-    """Residuals of the law of one region at its internal vertices."""
+    """Residuals of the law of one region at the internal vertices where mid-edge normals read curvature."""
 
     region: int
     law: Law
@@ -40,10 +40,10 @@ def law_errors(problem: CGCProblem) -> list[LawErrors]:
         return []
     V, F = problem.vertices, problem.faces
     found = measured_curvature(V, F, problem.creases, problem.regions())
-    size = float(np.linalg.norm(np.ptp(V, axis=0)))
+    size, read = float(np.linalg.norm(np.ptp(V, axis=0))), read_inwards(problem)
     errors = []
     for region, law in problem.laws.items():
-        own = (found.pairs[:, 1] == region) & (problem.roles == INTERNAL)[found.pairs[:, 0]] & np.isfinite(found.mean)
+        own = (found.pairs[:, 1] == region) & read[found.pairs[:, 0]] & np.isfinite(found.mean)
         H, K = found.mean[own], found.gaussian[own]
         residuals = law.residual(H, K)
         by_H, by_K = law.first_derivatives(H, K)

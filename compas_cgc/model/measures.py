@@ -11,6 +11,7 @@ from ..discrete import edge_faces
 from ..discrete import gaussian_curvature
 from ..discrete import vertex_areas
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..discrete.arrays import PerVertex
 from ..discrete.corners import corner_angles
 from ..discrete.measured_curvature import MeasuredCurvature
@@ -18,14 +19,19 @@ from ..discrete.measured_curvature import measured_curvature as mid_edge_curvatu
 from ..discrete.smooth_measure import layout_errors
 from ..discrete.space_form import EXACT
 from ..discrete.space_form import space_form_angle_sums
+from ..discrete.topology import within_rings
 from ..meshing import boundary_loops
 from ..meshing.flat_corners import turned_corners
+from ..meshing.regions import vertex_labels
 from .goals.binding import with_level_edges_held
 from .inward_edges import MIN_CORNER
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
+from .roles import INTERNAL
+from .visible import NEAR
+from .visible import on_held_edges
 
 __all__ = [
     "MID_EDGE",
@@ -37,6 +43,7 @@ __all__ = [
     "measured_curvature",
     "measured_mean_curvature",
     "read_across",
+    "read_inwards",
     "with_free_edges_held",
 ]
 
@@ -52,7 +59,7 @@ def measure_of(problem: CGCProblem) -> str:
 
 
 def measured_curvature(problem: CGCProblem, measure: str = "") -> PerVertex:
-    """Return the Gaussian curvature at each vertex, NaN where none is prescribed (n,) [1/L^2].
+    """Return the Gaussian curvature at each vertex, NaN where none is prescribed or can be read (n,) [1/L^2].
 
     Parameters
     ----------
@@ -61,13 +68,14 @@ def measured_curvature(problem: CGCProblem, measure: str = "") -> PerVertex:
     measure
         ``defect``: angle defect over area (Eq. 10). ``smooth``: the same on the triangles of :func:`read_across`, less the
         error due to the layout of the mesh. ``exact``, ``exact-arc``: the target, plus the angle defect of triangles in the
-        space form of the target over the area. ``mid-edge``: shape operators by mid-edge normals, of second order on any triangles.
+        space form of the target over the area. ``mid-edge``: shape operators by mid-edge normals, of second order on any triangles,
+        where :func:`read_inwards` says.
         Default: that of :func:`measure_of`.
     """
     asked, measure = problem.asked, measure or measure_of(problem)
     if measure == MID_EDGE:
         found = _by_mid_edges(problem)
-        return np.where(asked, found.at_vertices(found.gaussian, len(asked)), np.nan)
+        return np.where(asked & read_inwards(problem), found.at_vertices(found.gaussian, len(asked)), np.nan)
     if measure in EXACT:
         targets = np.where(asked, problem.targets, 0.0)
         left = 2.0 * np.pi - space_form_angle_sums(problem.vertices, problem.faces, targets, measure == "exact-arc")
@@ -80,12 +88,25 @@ def measured_curvature(problem: CGCProblem, measure: str = "") -> PerVertex:
 
 
 def measured_mean_curvature(problem: CGCProblem) -> PerVertex:
-    """Return the mean curvature by mid-edge normals at each vertex, NaN where no K is prescribed (n,) [1/L].
+    """Return the mean curvature by mid-edge normals at each vertex, NaN where no K is prescribed or can be read (n,) [1/L].
 
     It is positive where the surface is convex to the side of its normals.
     """
     found = _by_mid_edges(problem)
-    return np.where(problem.asked, found.at_vertices(found.mean, len(problem.vertices)), np.nan)
+    return np.where(problem.asked & read_inwards(problem), found.at_vertices(found.mean, len(problem.vertices)), np.nan)
+
+
+def read_inwards(problem: CGCProblem) -> Mask:
+    """Return the internal vertices (n,) at which mid-edge normals read curvature.
+
+    They are more than two edges from supports, where the exact surface may be singular: beside a straight edge with K > 0, or
+    beside a point that carries a smooth edge. Regions without such vertices are read everywhere.
+    """
+    internal, real = problem.roles == INTERNAL, problem.real_faces
+    supports = (problem.roles == FIXED) | on_held_edges(problem)
+    inwards = internal & ~within_rings(problem.faces[real], supports, NEAR)
+    region = vertex_labels(len(internal), problem.faces[real], problem.regions()[real])
+    return inwards | (internal & ~np.isin(region, region[inwards]))
 
 
 def _by_mid_edges(problem: CGCProblem) -> MeasuredCurvature:

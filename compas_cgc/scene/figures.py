@@ -43,7 +43,7 @@ def coloured(mesh: PosesProblem, show: str = "K") -> Coloured:
 
 
 def figures(surface: PosesProblem) -> dict[str, FloatArray]:
-    """Return K [1/L^2], H, the principal curvatures [1/L] and K - K̄ [1/L^2] at each vertex (n,), NaN where K is not prescribed."""
+    """Return K [1/L^2], H, the principal curvatures [1/L] and K - K̄ [1/L^2] at each vertex (n,), NaN where K is not read."""
     problem = surface.to_problem().without_dummies()
     K, H = measured_curvature(problem), measured_mean_curvature(problem)
     # Where the two principal curvatures are equal, rounding, or a second measure of K, can make H² smaller than K.

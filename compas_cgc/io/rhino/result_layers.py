@@ -138,7 +138,7 @@ def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:
     return {
         "verdict": str(report.verdict),
         "status": result.status,
-        "max error": repr(result.max_error),
+        "max error": repr(report.max_error),
         "method": result.method,
         "measure": result.measure,
         "version": __version__,
@@ -173,9 +173,9 @@ def _draw_maps(writer: LayerWriter, problem: CGCProblem, whole: Mesh) -> None:
         for k, (value, colour) in enumerate(zip(steps, signed_colours(steps, limit).tolist())):
             place = np.array([high[0] + 0.1 * size, low[1] + k * (high[1] - low[1]) / 5, low[2]])
             writer.dot(f"{what} = {value:.3g}", place, writer.attributes(on, "legend", colour=tuple(colour)))
-        if not problem.asked.all():
+        if np.isnan(values).any():
             place = np.array([high[0] + 0.1 * size, high[1], low[2]])
-            writer.dot("not prescribed", place, writer.attributes(on, "legend", colour=NO_VALUE))
+            writer.dot("no value", place, writer.attributes(on, "legend", colour=NO_VALUE))
 
 
 def _draw_rough_places(writer: LayerWriter, problem: CGCProblem, report: SurfaceReport) -> None:
@@ -192,7 +192,7 @@ def _extent(vertices: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
 def _summaries(result: SolveResult, analysis: SurfaceReport, source: Optional[str], unit: str) -> tuple[str, str]:
     """Return the result in three short lines, for a text dot, and the whole report."""
-    error = f"largest error of K {result.max_error:.3g}" + (f" 1/{unit.strip()}²" if unit else "")
+    error = f"largest error of K {analysis.max_error:.3g}" + (f" 1/{unit.strip()}²" if unit else "")
     verdict = "fair" if analysis.verdict.fair else "rough"
     head = f"{source or 'result'}: {verdict}, {result.status}\n{error}\nfull report: user text of this dot"
     where = f" of {source}" if source else ""

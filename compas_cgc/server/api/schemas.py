@@ -108,7 +108,7 @@ CURVATURES = {
     "type": "object",
     "required": ["curvature", "gaussian", "mean", "largest", "smallest"],
     "properties": {
-        "curvature": {**PACKED, "description": "K (n,), NaN where it is not prescribed [1/L^2]"},
+        "curvature": {**PACKED, "description": "K (n,), NaN where it is not prescribed or cannot be read, as beside supports [1/L^2]"},
         "gaussian": {**PACKED, "description": "K of fitted quadrics (n,) [1/L^2]"},
         **{
             name: {**PACKED, "description": f"{words} of fitted quadrics (n,) [1/L]"}

@@ -93,14 +93,14 @@ def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Rep
     target = inputs["Target"]
     problem, *_, notes = dome_request(inputs, context, limits, target)
     read = time.perf_counter()
-    vertices, faces, asked = problem.vertices, problem.faces, problem.asked
-    K, H = (np.where(asked, values, 0.0) for values in (measured_curvature(problem), measured_mean_curvature(problem)))
+    vertices, faces = problem.vertices, problem.faces
+    K, H = measured_curvature(problem), measured_mean_curvature(problem)
     report = str(analyse(problem))
     measured = time.perf_counter()
-    columns, found = zip(*(finite_items(values) for values in (K, H)))
+    columns, found = zip(*(finite_items(np.where(np.isnan(values), 0.0, values)) for values in (K, H)))
     warnings = list(dict.fromkeys(filter(None, found)))
     values = [
-        entry("Mesh", "Mesh", [_coloured(vertices, faces, np.where(asked, K - target, np.nan), target)]),
+        entry("Mesh", "Mesh", [_coloured(vertices, faces, K - target, target)]),
         entry("K", "Number", columns[0]),
         entry("H", "Number", columns[1]),
         entry("Info", "Text", ["\n".join([report, *notes])]),
@@ -123,10 +123,11 @@ def surface_values(result: SolveResult, info: str) -> list[dict]:
     """Return the outputs Mesh, Info and Error; the info ends with a line per region."""
     problem = result.problem
     missed = result.curvature - problem.targets
+    found = np.abs(missed[np.isfinite(missed)])
     return [
         entry("Mesh", "Mesh", [_coloured(problem.vertices, problem.faces, missed, problem.target_scale)]),
         entry("Info", "Text", ["\n".join([info, *_regions(problem, missed)])]),
-        entry("Error", "Number", [result.max_error] if np.isfinite(result.max_error) else []),
+        entry("Error", "Number", found.max(keepdims=True).tolist() if found.size else []),
     ]
 
 
@@ -143,7 +144,9 @@ def _regions(problem: CGCProblem, missed: FloatArray) -> list[str]:
             continue
         low, high = problem.targets[own].min(), problem.targets[own].max()
         asked = f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
-        lines.append(f"region {number}: {(label == number).sum()} triangles, K̄ {asked}, largest |K - K̄| {np.abs(missed[own]).max():.3g}")
+        lines.append(
+            f"region {number}: {(label == number).sum()} triangles, K̄ {asked}, largest |K - K̄| {np.nanmax(np.abs(missed[own])):.3g}"
+        )
     return [*lines, *([f"and {count - MAX_REGIONS} more regions"] if count > MAX_REGIONS else [])]
 
 

@@ -202,8 +202,8 @@ def test_it_is_a_method_of_every_door():
     assert (result.status, result.method, result.measure) == ("converged", "bending", "mid-edge")
     assert result.verdict.fair
     # The measure of the mesh alone agrees with that of the solve.
-    asked = result.problem.asked
-    assert np.abs(result.curvature[asked] / 0.005 - 1.0).max() < 0.1
+    read = np.isfinite(result.curvature)
+    assert read.sum() > 0.8 * result.problem.asked.sum() and np.abs(result.curvature[read] / 0.005 - 1.0).max() < 0.01
 
 
 def test_cancelling_returns_the_surface_so_far():

@@ -137,7 +137,7 @@ function figures(result, model) {
   const { regions, moved_max: moved } = result.report;
   const error = largest(result.curvature.map((K, vertex) => K - result.targets[vertex]));
   const most = `${readable(error, 2)} ${model.curvatureUnit.slice(1)}`;
-  const rows = [['Largest error', most, 'Largest |K − target| of all vertices, with K as it is measured for the colours']];
+  const rows = [['Largest error', most, 'Largest |K − target|, with K as it is measured for the colours; mid-edge normals do not read it within two edges of supports']];
   if (size > 0) rows.push(['Relative to the target', part(error / size)]);
   const fits = (regions ?? []).filter((region) => region.target && region.quadric_median !== null);
   if (fits.length) {
