@@ -88,12 +88,13 @@ def measured_curvature(problem: CGCProblem, measure: str = "") -> PerVertex:
 
 
 def measured_mean_curvature(problem: CGCProblem) -> PerVertex:
-    """Return the mean curvature by mid-edge normals at each vertex, NaN where no K is prescribed or can be read (n,) [1/L].
+    """Return the mean curvature by mid-edge normals at each vertex, NaN where :func:`measured_curvature` is (n,) [1/L].
 
     It is positive where the surface is convex to the side of its normals.
     """
     found = _by_mid_edges(problem)
-    return np.where(problem.asked & read_inwards(problem), found.at_vertices(found.mean, len(problem.vertices)), np.nan)
+    read = problem.asked & read_inwards(problem) if measure_of(problem) == MID_EDGE else problem.asked
+    return np.where(read, found.at_vertices(found.mean, len(problem.vertices)), np.nan)
 
 
 def read_inwards(problem: CGCProblem) -> Mask:
