@@ -51,10 +51,14 @@ LAYOUT = Sentence(
 )
 
 
-def why_not_found(problem: CGCProblem, status: str) -> str:
-    """Return why no surface was found, or how much of the targets the supports carry; empty where that is not known."""
+def why_not_found(problem: CGCProblem, status: str, limited: bool) -> str:
+    """Return why no surface was found, or how much of the targets the supports carry; empty where that is not known.
+
+    Where the user limited the steps, more may find it.
+    """
     whole = bind(problem).whole if problem.goals else False
-    if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
+    searched = ("stalled", "diverged") if limited else ("stalled", "diverged", "step_limit")
+    if status not in searched and not (status == "infeasible" and whole):
         return ""
     if tears_faces(problem):
         return ""  # The message blames the mesh: the supports may carry it.

@@ -105,13 +105,12 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         reasons = partial(why_rough, problem)
     else:
         best, choice = last if last[0].status in OVER else min(tried, key=lambda pair: pair[0].max_error)
-        reasons = partial(why_not_found, problem, best.status)
+        reasons = partial(why_not_found, problem, best.status, settings is not None and settings.to_dict().get("steps") is not None)
     with allowed.for_reasons().counted():
         why = reasons()
     best = best if why else with_half_a_sphere(problem, best)
-    if best.method == "bending" and best.status != "cancelled" and has_free_edges(problem) and not contradiction(problem):
-        why = joined([*filter(None, [why]), DRAWN_IN])
-    return _told(best, choice, tried, why)
+    loose = best.method == "bending" and best.status != "cancelled" and has_free_edges(problem) and not contradiction(problem)
+    return _told(best, choice, tried, why, DRAWN_IN if loose else "")
 
 
 def _evened(problem: CGCProblem, solution: Solution) -> Optional[FloatArray]:
@@ -157,13 +156,13 @@ def _closed(problem: CGCProblem, found: Solution, settings: Settings, callback: 
     return own._replace(message=message, verdict=again, targets=found.targets, laws=found.laws, branches=found.branches)
 
 
-def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]], why: str = "") -> Solution:
-    """Return the solution that was found, with why it is no better, by which method it was found, and what was tried before."""
+def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]], why: str = "", hint: str = "") -> Solution:
+    """Return the solution that was found, with why it is no better, what may help, by which method it was found, and what was tried."""
     stopped = (f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged")
     before = list(dict.fromkeys(stopped))
     if any(said.status == "converged" for said, other in tried if other is not choice):
         before.append("an earlier result was rough")
-    # What keeps a surface from being fair matters more than how well K is met on it.
-    said = (why, solution.message) if solution.status == "converged" else (solution.message, why)
+    # What keeps a surface from being fair matters more than how well K is met on it, or how many steps were taken.
+    said = (why, solution.message) if solution.status in ("converged", "step_limit") else (solution.message, why)
     method = f"by the method {choice.method}, as {choice.reason}" + (f" ({', '.join(before)})" if before else "")
-    return solution._replace(message=joined([*filter(None, said), method]))
+    return solution._replace(message=joined([*filter(None, (*said, hint)), method]))

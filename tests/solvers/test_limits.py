@@ -127,6 +127,15 @@ def test_a_solve_that_stalls_says_how_much_could_be_had():
     assert "over these supports, fair surfaces were found for K̄ up to" in result.message and "the target is 9" in result.message
 
 
+def test_a_solve_says_how_much_could_be_had_where_its_steps_do_not_suffice_unless_they_were_limited():
+    mesh = CGCMesh.from_meshgrid(dx=10, nx=14)
+    mesh.set_supports("corners")
+    mesh.set_target(-0.3)
+    result = solve(mesh)
+    assert result.status == "step_limit" and result.message.startswith("over these supports, fair surfaces were found for K̄ down to -0.03")
+    assert solve(mesh, settings={"steps": 3}).message.startswith("not converged in 3 steps")
+
+
 def test_the_command_says_it(tmp_path, capsys):
     problem = roof(1.0, 6)
     mesh = tmp_path / "roof.obj"

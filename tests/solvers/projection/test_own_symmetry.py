@@ -180,5 +180,5 @@ def test_a_stall_for_faces_that_are_not_mirrored_blames_the_mesh_alone(monkeypat
     """What the supports carry is not searched for then."""
     monkeypatch.setattr(reasons, "raised", None)
     problem = twisted_vault(12, -0.02).with_goals([Mirror((5, 5, 0), (0, 1, 0))])
-    assert reasons.why_not_found(problem, "stalled") == ""
+    assert reasons.why_not_found(problem, "stalled", False) == ""
     assert not tears_faces(twisted_vault(12, 0.0)) and tears_faces(problem)
