@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--target", type=float, metavar="K", help="Gaussian curvature everywhere; only its sign matters (default: the targets of the file)"
     )
     add_supports(parser)
-    parser.add_argument("--tolerance", type=float, default=0.02, metavar="X", help="relative accuracy of the limit (default 0.02)")
+    parser.add_argument("--tolerance", type=float, default=0.01, metavar="X", help="relative accuracy of the limit (default 0.01)")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     add_reading(parser)
     parser.set_defaults(run=run)

@@ -27,11 +27,12 @@ from .rising import GROWTH
 from .rising import Bracket
 from .rising import Rising
 
-__all__ = ["Limit", "largest_target", "raised"]
+__all__ = ["TOLERANCE", "Limit", "largest_target", "raised"]
 
+TOLERANCE = 0.01  # width of the interval around a limit, relative to the limit; two digits, so that every door states the same number
 PART = 2 / 3  # vertices of the coarser mesh over MEDIUM_MESH; leaves room for lines whose vertices are all kept
 EACH = 16  # vertices for each region of the coarser mesh [vertices]; 4 by 4, the fewest with vertices away from the edges of a region
-# smallest rejected factor over the largest accepted one, up to which no "or more" is added; a search for reasons ends within 10 %
+# smallest rejected factor over the largest accepted one, up to which no "or more" is added; a search that runs out of work is wider
 SURELY = 1.15
 
 
@@ -63,7 +64,7 @@ class Limit:
 
 @names_what_was_meant()
 def largest_target(
-    posed: PosesProblem, *, tolerance: float = 0.02, solves: int = 40, vertices: int = MEDIUM_MESH, work: Optional[Work] = None
+    posed: PosesProblem, *, tolerance: float = TOLERANCE, solves: int = 40, vertices: int = MEDIUM_MESH, work: Optional[Work] = None
 ) -> Limit:
     """Return how large the targets can be for a fair surface over the supports as they are.
 

@@ -28,14 +28,14 @@ from ..model.stepped_edges import stepped_edges
 from ..model.straight_edges import twisted_edges
 from .constants import COARSE_VERTICES
 from .half_sphere import cap_of_the_rise
+from .limits import TOLERANCE
 from .limits import raised
 from .projection.plate import relaxed
 from .projection.symmetry import tears_faces
 
 __all__ = ["DRAWN_IN", "contradiction", "why_not_found", "why_rough"]
 
-ROUGHLY = 0.1  # relative accuracy of a limit in a message; two digits suffice for a designer, and each digit more takes three solves
-FEW = 16  # solves of a search for a limit; ten by GROWTH from a gentle surface to HIGH, three halvings to 10 %, and three for retries
+FEW = 20  # solves of a search for a limit; ten by GROWTH from a gentle surface to HIGH, six halvings to 1 %, and four for retries
 SMALL = 500  # vertices above which the search uses a coarser mesh [vertices]; a limit belongs to the supports and not to the mesh
 SEARCH = 1.2e7  # work of the search on the coarser mesh [right sides times unknowns]; under two seconds
 OWN = 6000.0  # work on the mesh itself [right sides]; two seconds for 1,000 vertices
@@ -105,7 +105,7 @@ def _carried(problem: CGCProblem, nothing: Optional[str] = "", enough: str = "")
     own = Work((WITH_GOALS if problem.goals else OWN) * 3.0 * max(SMALLEST, len(problem.vertices)))
     real = problem.without_dummies()
     try:
-        limit = raised(real, tolerance=ROUGHLY, solves=FEW, vertices=SMALL, work=Work(SEARCH), own=own, most=1.0)
+        limit = raised(real, tolerance=TOLERANCE, solves=FEW, vertices=SMALL, work=Work(SEARCH), own=own, most=1.0)
     except ProblemError:  # What the goals name is not on a coarser mesh.
         return ""
     if limit.status == "none":

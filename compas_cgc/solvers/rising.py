@@ -1,4 +1,7 @@
-"""Targets that rise from a gentle surface on, each solved from the last, until one has no fair surface."""
+"""Targets that rise from a gentle surface on, each solved from the last, until one has no fair surface.
+
+The curvatures that are tried do not depend on the targets, only on the area: so the limit is the same number whatever K is asked for.
+"""
 
 from __future__ import annotations
 
@@ -107,7 +110,7 @@ class Rising:
 
     def begun(self) -> Bracket:
         """Return a gentle surface, or the smallest factor that was not carried."""
-        factor = first = min(self._most, GENTLE_TOTAL_CURVATURE / self._total)
+        factor = first = GENTLE_TOTAL_CURVATURE / self._total
         carried = self.tried(factor, None)
         while carried is None and factor > LEAST * first and not self.over:
             factor /= 4.0
@@ -134,7 +137,7 @@ class Rising:
                 break
             if beyond is None and carried.factor * self._total > HIGH:
                 break
-            factor = min(self._most, growth * carried.factor) if beyond is None else 0.5 * (carried.factor + beyond)
+            factor = growth * carried.factor if beyond is None else 0.5 * (carried.factor + beyond)
             found = self.tried(factor, carried.vertices)
             if found is None and self._is_spent:
                 break  # It was cut short, which tells nothing of the supports.

@@ -136,6 +136,16 @@ def test_a_solve_says_how_much_could_be_had_where_its_steps_do_not_suffice_unles
     assert solve(mesh, settings={"steps": 3}).message.startswith("not converged in 3 steps")
 
 
+def test_the_limit_is_the_same_number_whatever_is_asked():
+    problem, told = roof(1.0), set()
+    for target in (6.0, 7.3, 9.0, 14.0):
+        message = solve(problem.with_targets(target)).message
+        told.add(re.search(r"fair surfaces were found for K̄ up to ([\d.]+) \(", message).group(1))
+    largest = [largest_target(problem.with_targets(target)).target for target in (0.4, 7.0)]
+    assert largest[0] == pytest.approx(largest[1], rel=1e-9)
+    assert [float(one) for one in told] == pytest.approx(largest[:1], rel=1e-3)
+
+
 def test_the_command_says_it(tmp_path, capsys):
     problem = roof(1.0, 6)
     mesh = tmp_path / "roof.obj"

@@ -170,7 +170,7 @@ SEARCHES: dict[str, Search] = {
                     "tolerance",
                     "relative accuracy of the reported limit",
                     _share,
-                    {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1, "default": 0.02},
+                    {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1, "default": 0.01},
                 ),
             ),
             (),
