@@ -25,7 +25,7 @@ def line_edges(problem: CGCProblem) -> IntArray:
 
 
 def along_inner_lines(problem: CGCProblem, fixed: Mask, edges: IntArray) -> Mask:
-    """Return which of all edges with their faces (e, 4) lie inside along creases or lines of fixed vertices (n,)."""
+    """Return which of all edges with their faces (e, 4) lie inside along creases, lines of fixed vertices (n,) or borders of held faces."""
     n, ends, inner = len(problem.vertices), edges[:, :2], edges[:, 3] >= 0
     rim = np.zeros(n, bool)
     rim[ends[~inner]] = True
@@ -35,7 +35,8 @@ def along_inner_lines(problem: CGCProblem, fixed: Mask, edges: IntArray) -> Mask
     alone = creased.copy()
     alone[problem.creases] = False
     # An edge between two supports of the rim may cross the surface.
-    held = fixed[ends].all(axis=1) & ~rim[ends].all(axis=1)
+    whole = np.asarray(fixed[problem.faces].all(axis=1))
+    held = fixed[ends].all(axis=1) & ~rim[ends].all(axis=1) & ~whole[edges[:, 2:]].all(axis=1)
     return np.asarray(inner & (on_crease | (creased[ends].all(axis=1) & alone[ends].any(axis=1)) | held))
 
 

@@ -51,3 +51,13 @@ def test_roles_and_targets_are_those_of_the_edges(problem):
     assert len(fine.creases) == 2 * len(problem.creases) and (fine.roles[n:] == CREASE).sum() == len(problem.creases)
     assert (fine.roles[n:] == FREE).sum() == 3 * 6
     assert fine.region_targets() == problem.region_targets() == [0.02, 0.03]
+
+
+def test_within_faces_that_are_held_whole_nothing_is_divided():
+    mesh = CGCMesh.from_meshgrid(dx=6.0, nx=6)
+    mesh.set_supports(range(3 * 7))
+    mesh.set_target(0.02)
+    fine = with_short_lines(mesh.to_problem(), 0.1)
+    added = fine.vertices[7 * 7 :]
+    on_rim = np.isclose(np.abs(added[:, :2] - 3.0).max(axis=1), 3.0)
+    assert on_rim.sum() == 4 * 6 * 15 and np.isclose(added[~on_rim, 0], 2.0).all() and (~on_rim).sum() == 6 * 15
