@@ -87,6 +87,17 @@ def test_volume_and_area_do_not_ask_which_way_faces_turn():
         assert one == pytest.approx(other) and one > 0
 
 
+def test_what_is_said_of_a_rise_is_measured_from_the_supports():
+    mesh = CGCMesh.from_meshgrid(dx=10, nx=6)
+    mesh.set_supports("corners")
+    problem = mesh.to_problem()
+    problem = problem.with_vertices(problem.vertices + [0.0, 0.0, 100.0]).with_targets(0.001)
+    result = solve(problem, goals=[Rise(30.0)], unknown="all")
+    assert result.status == "infeasible"
+    reached = re.search(r"for the rise 30 the surface reaches ([\d.]+) instead of 30, with K = ", result.message)
+    assert reached and float(reached.group(1)) < 30.0
+
+
 def test_goals_scale_and_move_with_the_model():
     """In the local frame every goal lacks the same part of its number."""
     problem = shaken(roof()).with_goals(WHOLE)

@@ -130,7 +130,7 @@ def bind(problem: CGCProblem, named: Optional[Sequence[Constraint]] = None) -> B
         elif isinstance(goal, PositionConstraint):
             places.append(goal)
         elif isinstance(goal, Rise):
-            equations.append(_crown(name, support_height(problem) + goal.rise, 1.0 if goal.rise > 0.0 else -1.0))
+            equations.append(_crown(name, goal.rise, 1.0 if goal.rise > 0.0 else -1.0, support_height(problem)))
         elif isinstance(goal, (Volume, Area, Length)):
             equations.append(_whole(problem, goal, name))
         elif isinstance(goal, Bound):
@@ -219,8 +219,8 @@ def support_height(problem: CGCProblem) -> float:
     return float(fixed[:, 2].mean())
 
 
-def _crown(name: str, wanted: float, side: float) -> Equation:
-    """Return the equation for the height of the highest vertex, or of the lowest for side -1."""
+def _crown(name: str, wanted: float, side: float, base: float = 0.0) -> Equation:
+    """Return the equation for the height of the highest vertex over a base, or of the lowest for side -1."""
 
     def highest(vertices: FloatArray) -> int:
         return int(np.argmax(side * vertices[:, 2]))
@@ -230,7 +230,7 @@ def _crown(name: str, wanted: float, side: float) -> Equation:
         result[highest(vertices), 2] = 1.0
         return result
 
-    return Equation(name, wanted, 1, lambda vertices: float(vertices[highest(vertices), 2]), gradient)
+    return Equation(name, wanted, 1, lambda vertices: float(vertices[highest(vertices), 2]) - base, gradient)
 
 
 def _whole(problem: CGCProblem, goal: Constraint, name: str) -> Equation:

@@ -18,7 +18,6 @@ from ...model.constraints import CROWN
 from ...model.constraints import Constraint
 from ...model.constraints import Height
 from ...model.goals.binding import bind
-from ...model.goals.binding import support_height
 from ...model.goals.inequalities import Above
 from ...model.goals.inequalities import Below
 from ...model.goals.inequalities import Bound
@@ -162,7 +161,6 @@ def number_had(problem: CGCProblem, goal: Constraint, vertices: FloatArray) -> f
     goals = bind(problem.with_goals([goal], add=False))
     number = number_of(goal)
     if goals.equations:
-        value = goals.equations[0].value(vertices)
-        return value - support_height(problem) if isinstance(goal, Rise) else value
+        return goals.equations[0].value(vertices)
     slack = float(goals.sides[0].goal.slack(vertices[goals.sides[0].candidates(problem.vertices)])[0].min(initial=0.0))
     return number - slack if isinstance(goal, (Below, NearPlane)) else number + slack
