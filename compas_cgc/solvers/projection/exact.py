@@ -13,11 +13,10 @@ from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...meshing.even_triangles import even_triangles
 from ...model.laws import types_of
-from .closing import closed_across
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
+from .gauss_newton import descend_to_rounding
 from .measure import shows_layout
-from .saddles import descend_over_saddles
 from .sliding import can_slide
 from .sliding import slide
 from .sliding import turns_triangles_over
@@ -62,10 +61,8 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
         for steps in tried:
             if (yield from steps):
                 return
-    for steps_in in (closed_across, descend_over_saddles):
-        for taken in steps_in(system, exact, system.at(vertices, exact)):
-            yield taken._replace(equations=exact)
-            vertices = taken.vertices
+    for taken in descend_to_rounding(system, exact, system.at(vertices, exact)):
+        yield taken._replace(equations=exact)
 
 
 def _on_even_triangles(system: System, equations: CurvatureEquations, measure: str, fair: Vertices) -> _Search:

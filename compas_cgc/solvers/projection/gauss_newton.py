@@ -49,16 +49,14 @@ def descend(
     slow: float = SLOW,
     patience: int = PATIENCE,
     finish: Optional[int] = None,
-    memory: int = 1,
     extrapolated: bool = False,
 ) -> Iterator[Taken]:
     """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
 
     No step starts where every residual is within its rounding: on a flat surface, where no move changes K to first order, it would
     lead anywhere. A start like that is a step of length zero. With a `finish`, so many steps do from where the equations are nearly
-    fulfilled. A step has to bring the merit below the largest of the last ones that are in `memory` (Grippo, Lampariello and
-    Lucidi, doi:10.1137/0723046). Where derivatives leave something out, steps that follow each other by one ratio may be
-    `extrapolated` to where they lead (Aitken).
+    fulfilled. Where derivatives leave something out, steps that follow each other by one ratio may be `extrapolated` to where
+    they lead (Aitken).
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -74,7 +72,7 @@ def descend(
         if extrapolated:
             ratio = _ratio(step, before)
             step, before = step / (1.0 - ratio), None if ratio else step
-        found = line_search(system, equations, here, step, max(merits[-memory:])) if np.isfinite(step).all() else None
+        found = line_search(system, equations, here, step) if np.isfinite(step).all() else None
         if found is None:
             return
         there, length, trials = found
@@ -104,11 +102,8 @@ def descend_to_rounding(system: System, equations: CurvatureEquations, start: Po
     return descend(system, equations, start, finish=FINISH)
 
 
-def line_search(
-    system: System, equations: CurvatureEquations, here: Point, step: FloatArray, merit: Optional[float] = None
-) -> Optional[tuple[Point, float, int]]:
-    """Return the first of the halved steps that makes the merit smaller than the present one, or one given, without a sharp fold."""
-    merit = here.merit if merit is None else merit
+def line_search(system: System, equations: CurvatureEquations, here: Point, step: FloatArray) -> Optional[tuple[Point, float, int]]:
+    """Return the first of the halved steps that makes the merit smaller, without a sharp fold."""
     length, trials = 1.0, 0
     turning = Turning(system, here.vertices)
     while length >= SHORTEST:
@@ -116,7 +111,7 @@ def line_search(
         vertices = here.vertices + length * step
         if turning.allows(vertices):
             there = system.at(vertices, equations)
-            if there.merit <= (1.0 - DECREASE * length) * merit:
+            if there.merit <= (1.0 - DECREASE * length) * here.merit:
                 return there, length, trials
         length /= 2
     return None

@@ -20,20 +20,17 @@ from ...model.verdict import verdict
 from ..constants import LARGE_MESH
 from ..constants import WITHIN_REACH
 from ..constants import WORTHWHILE
-from .at_rest import brought_to_rest
-from .at_rest import rests
-from .closing import closed_across
 from .exact import exactly
 from .exact import may_slide
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
+from .gauss_newton import descend_to_rounding
 from .iterate import Point
 from .measure import renewed
 from .measure import shows_layout
 from .measure import smoothed
 from .messages import enclosed_negative
-from .saddles import descend_over_saddles
 from .sequential import NEAR
 from .sequential import Reached
 from .sequential import approach
@@ -53,7 +50,6 @@ __all__ = ["smoothed_first", "ways", "ways_from_near"]
 SMOOTHER = (1.0, 0.5, 2.5)  # factors on the smoothness of least-norm steps, one after the other; where one stalls another may converge
 # vertices with K̄ for polynomial fits [vertices]; a fit over two rings has nineteen, and half and twice as many give the same surfaces
 ENOUGH = 30
-ALMOST = 1e-5  # longest move relative to the size of a shape that is brought to rest next; two Newton steps reach rounding from there
 # distance of a drawing from the smoothest shape through its rim, relative to the size, above which it is kept; less is invisible
 MEANT = 0.01
 PATIENT = 4  # steps for each weight of K [steps]; on an irregular mesh with K < 0, half and twice as many lead to another fair surface
@@ -101,13 +97,8 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # By angle defects the nearest surface would come to rest in waves, which are then taken out again.
         yield from exactly(system, equations, settings.measure, near)
         return
-    reached = yield from refine(system, equations, found, ALMOST if rests(system, equations) else max(SETTLED, settings.tolerance))
-    rested = brought_to_rest(system, equations, reached)
-    if rested is not None:
-        reached = rested
-    elif rests(system, equations):
-        reached = yield from refine(system, equations, reached)
-    yield from _finished(system, equations, reached, settings, smoothed, rested)
+    reached = yield from refine(system, equations, found, max(SETTLED, settings.tolerance))
+    yield from _finished(system, equations, reached, settings, smoothed)
 
 
 def ways_from_near(system: System, equations: CurvatureEquations, near: Point, settings: ProjectionSettings) -> Iterator[Taken]:
@@ -124,7 +115,6 @@ def _finished(
     reached: Reached,
     settings: ProjectionSettings,
     smoothing: _Smoothing,
-    rested: Optional[Reached] = None,
 ) -> Iterator[Taken]:
     """Take steps from a shape that is fair to the last digits of K in the measure that is asked for."""
     if settings.measure == "smooth":
@@ -132,16 +122,11 @@ def _finished(
     elif settings.measure == AUTO:
         if shows_layout(system, equations, reached.point.vertices):
             yield from smoothing(system, equations, reached)
-        # Where it does not come to rest in that measure either.
-        yield from _told(rested)
-        point = yield from closed_across(system, equations, reached.point)
-        yield from descend(system, equations, point, patience=FINISH)
+        yield from descend(system, equations, reached.point, patience=FINISH)
     elif settings.measure in EXACT:
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
-        yield from _told(rested)
-        point = yield from closed_across(system, equations, reached.point)
-        yield from descend_over_saddles(system, equations, point)
+        yield from descend_to_rounding(system, equations, reached.point)
 
 
 def _held_all_round(
@@ -180,12 +165,6 @@ def smoothed_first(
 def _renewed(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
     """Take steps to the nearest surface in the smooth measure."""
     return renewed(system, equations, reached.point.vertices)
-
-
-def _told(rested: Optional[Reached]) -> Iterator[Taken]:
-    """Yield the shape at rest, if there is one."""
-    if rested is not None:
-        yield Taken(rested.point.vertices, 1.0, 1)
 
 
 def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -> bool:

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
-from scipy import sparse
 
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
-from compas_cgc.linalg import SingularMatrixError
-from compas_cgc.linalg import linear_solver
-from compas_cgc.linalg.pardiso import Pardiso
 from compas_cgc.model.constraints import Mirror
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import CREASE
@@ -22,7 +17,6 @@ from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.coarse import coarsened
 from compas_cgc.solvers.projection import Projector
-from compas_cgc.solvers.projection import closing
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.run import solve
 
@@ -88,28 +82,6 @@ def test_drawings_without_a_plan_or_with_mirrors_have_no_coarser_mesh():
     assert coarsened(replace(problem, goals=(Mirror((0.5, 0, 0), (1, 0, 0)),)), 200) is None
     vertices, faces = shapes.revolution(np.ones(20), np.linspace(0, 2, 20), 60)
     assert coarsened(CGCProblem(vertices, faces, targets=0.0).with_supports("boundary"), 200) is None
-
-
-@pytest.mark.parametrize("weights", [(1e-25, 1e-9), (1e-25,)], ids=["a heavier metric", "none that will do"])
-def test_matrices_that_rounding_leaves_no_inverse_are_no_end(monkeypatch, weights):
-    """As those of a million vertices."""
-    pytest.importorskip("pypardiso")
-    monkeypatch.setattr(closing, "SOFT", weights)
-    monkeypatch.setattr(closing, "linear_solver", partial(linear_solver, backend="pardiso"))
-    failed = []
-    factorised = Pardiso.factorise
-
-    def counted(self: Pardiso, matrix: sparse.csr_matrix) -> Pardiso:
-        try:
-            return factorised(self, matrix)
-        except SingularMatrixError:
-            failed.append(matrix.shape)
-            raise
-
-    monkeypatch.setattr(Pardiso, "factorise", counted)
-    solution = project(roof(80, 1.0))
-    assert solution.status == "converged", solution.message
-    assert failed
 
 
 def held_in_part(plan, layout, count, seed):
