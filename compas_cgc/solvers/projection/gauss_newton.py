@@ -14,12 +14,9 @@ from ..constants import LOOSE_RESIDUAL
 from ..constants import PATIENCE
 from ..constants import SHORTEST
 from ..constants import TIGHT_RESIDUAL
-from .iterate import SMALLEST_AREA
 from .iterate import Point
 from .system import System
 from .turning import Turning
-from .vectors import dot
-from .vectors import norm
 
 __all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "line_search"]
 
@@ -27,8 +24,6 @@ DECREASE = 0.1  # fraction of the predicted decrease that a step has to bring; 0
 SLOW = 0.9  # factor on the merit within PATIENCE; slower searches do not converge within the step limit
 FULFILLED = 1e-8  # residual relative to the prescribed curvature from which steps converge quadratically; the root of the rounding error
 FINISH = 4  # steps that have to gain at the end [steps]; rounding level is reached if they do not
-ALIKE = 0.3  # relative difference of two successive steps in one direction; steps within 17° are extrapolated (Aitken)
-SLOWEST = 0.97  # largest ratio of such steps; limits the extrapolation to 33 steps
 
 
 class Taken(NamedTuple):
@@ -49,14 +44,12 @@ def descend(
     slow: float = SLOW,
     patience: int = PATIENCE,
     finish: Optional[int] = None,
-    extrapolated: bool = False,
 ) -> Iterator[Taken]:
     """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
 
     No step starts where every residual is within its rounding: on a flat surface, where no move changes K to first order, it would
     lead anywhere. A start like that is a step of length zero. With a `finish`, so many steps do from where the equations are nearly
-    fulfilled. Where derivatives leave something out, steps that follow each other by one ratio may be `extrapolated` to where
-    they lead (Aitken).
+    fulfilled.
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -64,14 +57,10 @@ def descend(
     here, kept = start, None
     merits = [here.merit]
     tolerance = LOOSE_RESIDUAL
-    before: Optional[FloatArray] = None
     if here.fulfils(0.0, system.floor):
         yield Taken(here.vertices, 0.0, 1)
     while not here.fulfils(0.0, system.floor):
         step, kept = system.step(here, equations, tolerance, kept)
-        if extrapolated:
-            ratio = _ratio(step, before)
-            step, before = step / (1.0 - ratio), None if ratio else step
         found = line_search(system, equations, here, step) if np.isfinite(step).all() else None
         if found is None:
             return
@@ -84,14 +73,6 @@ def descend(
             patience, finish, merits = finish, None, [here.merit]
         if len(merits) > patience and merits[-1] > slow * merits[-1 - patience]:
             return
-
-
-def _ratio(step: FloatArray, before: Optional[FloatArray]) -> float:
-    """Return the ratio of a step to the one before where they go the same way, else zero."""
-    if before is None:
-        return 0.0
-    ratio = dot(step.ravel(), before.ravel()) / max(dot(before.ravel(), before.ravel()), SMALLEST_AREA)
-    return ratio if ratio < SLOWEST and norm((step - ratio * before).ravel()) <= ALIKE * norm(step.ravel()) else 0.0
 
 
 def descend_to_rounding(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:

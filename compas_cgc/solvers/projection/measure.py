@@ -87,7 +87,7 @@ def renewed(system: System, equations: CurvatureEquations, vertices: FloatArray)
             for taken in islice(_with_layout_of(system, smooth, here), STEPS):
                 here = system.at(taken.vertices, smooth)
                 yield taken._replace(settled=False)
-        for taken in descend(system, smooth, here, WORTHWHILE, FINISH, extrapolated=True):
+        for taken in descend(system, smooth, here, WORTHWHILE, FINISH):
             here = system.at(taken.vertices, smooth)
             yield taken._replace(settled=False, equations=smooth)
             if system.missing(here, smooth) <= CONVERGED:
