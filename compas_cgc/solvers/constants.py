@@ -16,7 +16,6 @@ __all__ = [
     "FACING",
     "FACTORS",
     "GROUND",
-    "HUGE_MESH",
     "KRYLOV",
     "LARGE_MESH",
     "LOCAL_ROUNDING",
@@ -78,4 +77,3 @@ MEDIUM_MESH = 1000  # vertices above which a search begins on a coarser mesh [ve
 # vertices of coarser meshes for the projection [vertices]; its surfaces differ by less than 1e-3 of the size from finer ones
 COARSE_VERTICES = 2000
 LARGE_MESH = 6000  # vertices from which a search on a coarser mesh pays [vertices]; below, it saves no time
-HUGE_MESH = 20_000  # vertices from which no search begins on the mesh itself [vertices]; it would take minutes

@@ -56,7 +56,7 @@ def descend(
     """
     here, kept = start, None
     merits = [here.merit]
-    tolerance = LOOSE_RESIDUAL
+    tolerance = min(LOOSE_RESIDUAL, max(TIGHT_RESIDUAL, system.missing(here, equations)))
     if here.fulfils(0.0, system.floor):
         yield Taken(here.vertices, 0.0, 1)
     while not here.fulfils(0.0, system.floor):

@@ -34,12 +34,9 @@ from ...model.recorder import Recorder
 from ...model.result import Solution
 from ...model.verdict import verdict
 from ..constants import ANGLE_ROUNDING
-from ..constants import LARGE_MESH
 from ..constants import LOCAL_ROUNDING
 from ..constants import ROUNDINGS
-from .coarse_to_fine import kept_on_coarse
 from .coarse_to_fine import ways_from_coarse
-from .drawing import as_meant
 from .energy import energy_meter
 from .found_curvature import FoundCurvature
 from .gauss_newton import FINISH
@@ -112,12 +109,9 @@ class Projector:
             text = f"the method projection cannot find an unknown K in the measure {self.settings.measure}; use the method auto"
             raise ProblemError([Sentence(text, [use_method("auto")])])
         self.problem = guessed(problem)
-        drawn, self._frame = self.problem.local()
-        self._local = as_meant(drawn)
+        self._local, self._frame = self.problem.local()
         own = mirrors_and_own(self._local) if symmetric else []
-        # A sheet that supports carry along leans, and moves aside: edges stay over the lines of the drawing itself.
-        kept = kept_on_coarse(self._local, self.settings)
-        self._system = System(self._local, self.settings, bind(drawn, problem.goals), own=own, kept=kept)
+        self._system = System(self._local, self.settings, bind(self._local, problem.goals), own=own)
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
         self._symmetries: tuple[bytes, list[Image]] = b"", []
@@ -202,7 +196,7 @@ class Projector:
         if status == "stalled" and best.fulfils(goal, ROUNDINGS * system.rounding(best, asked)):
             status = "converged"
             measure = "smooth" if settings.measure == AUTO and layout else measure
-        if status == "converged" and len(recorder) and measure == "defect" and not warm and len(system.columns) < LARGE_MESH:
+        if status == "converged" and len(recorder) and measure == "defect" and not warm:
             best = self._symmetric(best, local, goal)
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
         if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
@@ -388,7 +382,7 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     """
     if tears_faces(problem):
         solution = _of_mirrors(problem, settings, callback)
-    elif problem.goals or len(problem.vertices) > LARGE_MESH:
+    elif problem.goals:
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
         solution = ready(problem, settings).solve(problem.targets, callback=callback)

@@ -17,7 +17,6 @@ from ...model.laws import types_of
 from ...model.tolerances import DRAWING_ACCURACY
 from ...model.tolerances import NEGLIGIBLE
 from ...model.verdict import verdict
-from ..constants import LARGE_MESH
 from ..constants import WITHIN_REACH
 from ..constants import WORTHWHILE
 from .exact import exactly
@@ -48,8 +47,6 @@ from .trust_region import refine
 __all__ = ["smoothed_first", "ways", "ways_from_near"]
 
 SMOOTHER = (1.0, 0.5, 2.5)  # factors on the smoothness of least-norm steps, one after the other; where one stalls another may converge
-# vertices with K̄ for polynomial fits [vertices]; a fit over two rings has nineteen, and half and twice as many give the same surfaces
-ENOUGH = 30
 # distance of a drawing from the smoothest shape through its rim, relative to the size, above which it is kept; less is invisible
 MEANT = 0.01
 PATIENT = 4  # steps for each weight of K [steps]; on an irregular mesh with K < 0, half and twice as many lead to another fair surface
@@ -139,7 +136,7 @@ def _held_all_round(
     drawn = system.at(system.settled(start.vertices), equations)
     first = seed if is_flat(system, equations, drawn) else drawn
     near, vertices = system.keeping("shape"), first.vertices
-    if smooth_first and _is_told_by_fits(near, equations):
+    if smooth_first and near.asks_for_k_alone:
         last = None
         for last in smoothed_first(near, equations, vertices, settings, held=True):
             # What does not lead to a fair surface is nothing to show.
@@ -169,14 +166,9 @@ def _renewed(system: System, equations: CurvatureEquations, reached: Reached) ->
 
 def _loses_itself(system: System, equations: CurvatureEquations, first: Point) -> bool:
     """Return whether steps by angle defects would wrinkle a start, as on irregular meshes where K̄ <= 0."""
-    if not _is_told_by_fits(system, equations) or not (types_of(equations.targets[system.rows]) <= 0).any():
+    if not system.asks_for_k_alone or not (types_of(equations.targets[system.rows]) <= 0).any():
         return False
     return shows_layout(system, equations, first.vertices)
-
-
-def _is_told_by_fits(system: System, equations: CurvatureEquations) -> bool:
-    """Return whether nothing but K is asked for, of as many vertices as polynomials tell a smooth shape of in seconds."""
-    return system.asks_for_k_alone and ENOUGH <= len(system.rows) <= LARGE_MESH
 
 
 def _says_which_developable(system: System, equations: CurvatureEquations, drawn: Point) -> bool:

@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -55,7 +54,7 @@ from .symmetry import images
 from .symmetry import keep_faces
 from .vectors import norm
 
-__all__ = ["KeptDrawing", "System"]
+__all__ = ["System"]
 
 MEASURE = 0.5  # work of measuring the equations [right sides]; estimate of the time, which affects the work limit only
 LINES = 3.0  # work of their derivatives [right sides]; estimate of the time, which affects the work limit only
@@ -65,13 +64,6 @@ STEEPEST = 1e8
 FLAT_SHARE = 0.5
 RELAXING = 2  # times that drawn heights are relaxed; half and twice as many give the same surfaces
 SETTLING = 5  # moves onto curved constraints [steps]; they converge quadratically, and half and twice as many give the same surfaces
-
-
-class KeptDrawing(NamedTuple):
-    """What is kept of a drawing."""
-
-    keep: str  # "plan", "shape" or "nothing"
-    rest: FloatArray  # (n, 3) the drawing, with heights that count in what bending means
 
 
 class System:
@@ -89,8 +81,6 @@ class System:
         Whether K is found where the problem says that it is unknown; else it is taken as given.
     own
         Symmetries that are kept, where no mirrors say which. Default: none.
-    kept
-        What is kept of the drawing, where that is known already.
 
     Raises
     ------
@@ -105,7 +95,6 @@ class System:
         goals: Optional[BoundGoals] = None,
         found: bool = True,
         own: Sequence[Image] = (),
-        kept: Optional[KeptDrawing] = None,
     ):
         self.goals = bind(problem) if goals is None else goals
         V, F, constraints = problem.vertices, problem.faces, problem.goals
@@ -140,7 +129,7 @@ class System:
             return Fairness(replace(problem, vertices=rest), self.faces, self.columns, self.size, own, constraints)
 
         self._fairness = fairness
-        self.keep, self.fairness = self._kept(V) if kept is None else (kept.keep, fairness(*kept))
+        self.keep, self.fairness = self._kept(V)
         groups, factors = _groups(problem, unknown_constants(problem) if found else [], symmetries)
         group, rates = groups[self.rows], factors[self.rows]
         if (group >= 0).any():
@@ -172,11 +161,6 @@ class System:
             for _ in range(RELAXING if fairness.bends() else 0):
                 fairness = self._fairness(keep, fairness.relaxed())
         return keep, fairness
-
-    @property
-    def kept(self) -> KeptDrawing:
-        """What is kept of the drawing."""
-        return KeptDrawing(self.keep, self.fairness.rest)
 
     @property
     def patches(self) -> IntArray:

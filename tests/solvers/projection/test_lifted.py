@@ -8,20 +8,12 @@ import pytest
 from compas_cgc import Above
 from compas_cgc import CGCMesh
 from compas_cgc import solve
-from compas_cgc.linalg import factorise
 from compas_cgc.meshing import named_supports
 from compas_cgc.model.problem import CGCProblem
-from compas_cgc.solvers.projection import coarse_to_fine
-from compas_cgc.solvers.projection import drawing
-from compas_cgc.solvers.projection import projector
-from compas_cgc.solvers.projection.drawing import as_meant
-from compas_cgc.solvers.projection.fairness import Fairness
-from compas_cgc.solvers.projection.projector import Projector
 
 from ...support import shapes
 
 N = 11
-RELAXED = Fairness.relaxed
 CORNERS = [0, N, N * (N + 1), (N + 1) ** 2 - 1]
 
 
@@ -59,26 +51,14 @@ def plate() -> np.ndarray:
     return np.column_stack([10 * x, 10 * y, 3 * (1 - x) * (1 - y) + 3 * x * y])
 
 
-def test_a_relief_is_carried_and_says_the_side():
-    low, high = (as_meant(lifted((2, 2, 2, 2), relief=relief)).vertices[:, 2] for relief in (-1.0, 1.0))
+def test_a_relief_says_the_side():
     middle = (N // 2) * (N + 1) + N // 2
-    assert low[middle] == pytest.approx(1.0, abs=0.4) and high[middle] == pytest.approx(3.0, abs=0.4)
     assert (
         solve(lifted((2, 2, 2, 2), relief=-1.0)).vertices[middle, 2]
         < 1.0
         < 3.0
         < solve(lifted((2, 2, 2, 2), relief=1.0)).vertices[middle, 2]
     )
-
-
-def test_drawings_that_are_meant_stay_to_the_bit():
-    vertices, faces = shapes.grid(N, 10.0)
-    x, y, _ = vertices.T
-    for heights in (3 - 0.06 * ((x - 5) ** 2 + (y - 5) ** 2), 0.06 * x * y, np.hypot(x - 5, y - 5), 0.0 * x):
-        drawn = CGCProblem(np.column_stack([x, y, heights]), faces, targets=0.01)
-        for supports in ("corners", "boundary", [*CORNERS, (N // 2) * (N + 1) + N // 2]):
-            problem = drawn.with_supports(supports)
-            assert as_meant(problem) is problem
 
 
 def test_beside_a_lifted_corner_there_is_none():
@@ -178,45 +158,3 @@ def test_petals_that_dip_under_their_edge_are_told_with_the_goal_that_keeps_them
     kept = solve(star, goals=[Above(0)])
     assert kept.converged and kept.verdict.fair and "below its boundary" not in kept.message
     assert kept.vertices[:, 2].min() > -1e-9
-
-
-def test_a_plate_turns_with_factors_of_the_turn_before(monkeypatch):
-    """As with new factors for every turn."""
-    problem = lifted((3, 0, 0, 3))
-    made = []
-    monkeypatch.setattr(drawing, "factorise", lambda *given, **how: made.append(1) or factorise(*given, **how))
-    found = as_meant(problem).vertices
-    assert len(made) == 3
-    monkeypatch.setattr(drawing, "nearly_solved", lambda *given: None)
-    assert np.abs(as_meant(problem).vertices - found).max() < 1e-6
-    assert len(made) == 10
-
-
-@pytest.mark.parametrize(("relief", "off"), [(0.0, 0.05), (1.0, 0.25)])
-def test_a_plate_of_many_vertices_is_found_on_fewer(monkeypatch, relief, off):
-    """As smooth as on all of them, and through the supports."""
-    problem = lifted((3, 0, 0, 3), relief=relief, cells=40)
-    plate = as_meant(problem).vertices
-    made = []
-    monkeypatch.setattr(drawing, "HUGE_MESH", 1000)
-    monkeypatch.setattr(drawing, "COARSE_VERTICES", 200)
-    monkeypatch.setattr(drawing, "factorise", lambda matrix, **how: made.append(matrix.shape[0]) or factorise(matrix, **how))
-    found = as_meant(problem).vertices
-    assert max(made) < 300 and np.array_equal(found[problem.supports], problem.vertices[problem.supports])
-    assert np.abs(found - plate).max() < off
-    slope = np.diff(found[:, 2].reshape(41, 41), axis=0)
-    assert np.abs(np.diff(slope, axis=0)).max() < 2.0 * np.abs(np.diff(np.diff(plate[:, 2].reshape(41, 41), axis=0), axis=0)).max()
-
-
-def test_what_is_kept_of_a_large_drawing_is_told_by_a_coarser_mesh(monkeypatch):
-    problem = lifted((3, 0, 0, 3), cells=40)
-    whole = Projector(problem).solve()
-    asked = []
-    for module in (coarse_to_fine, projector):
-        monkeypatch.setattr(module, "LARGE_MESH", 1000)
-    monkeypatch.setattr(coarse_to_fine, "HUGE_MESH", 1000)
-    monkeypatch.setattr(coarse_to_fine, "COARSE_VERTICES", 400)
-    monkeypatch.setattr(Fairness, "relaxed", lambda own: asked.append(len(own.rest)) or RELAXED(own))
-    found = Projector(problem).solve()
-    assert found.status == whole.status == "converged" and max(asked) < 600
-    assert np.abs(found.vertices - whole.vertices).max() < 0.05
