@@ -23,7 +23,7 @@ from .coarse import Coarse
 from .coarse import coarsened
 from .constants import LARGE_MESH
 from .constants import MEDIUM_MESH
-from .projection.plate import relaxed
+from .projection.system import relaxed
 from .rising import GROWTH
 from .rising import Bracket
 from .rising import Rising

@@ -30,8 +30,8 @@ from .constants import COARSE_VERTICES
 from .half_sphere import cap_of_the_rise
 from .limits import TOLERANCE
 from .limits import raised
-from .projection.plate import relaxed
 from .projection.symmetry import tears_faces
+from .projection.system import relaxed
 
 __all__ = ["DRAWN_IN", "contradiction", "why_not_found", "why_rough"]
 

@@ -7,9 +7,12 @@ from typing import Callable
 from typing import Optional
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
+from ...discrete import face_normals
 from ...discrete import vertex_areas
+from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...linalg import factorise
@@ -28,10 +31,10 @@ from .settings import KEEP
 from .settings import ProjectionSettings
 from .vectors import dot
 
-__all__ = ["Fairness"]
+__all__ = ["Fairness", "flat_share"]
 
-SEED_MASS = 1e-4  # mass of a plate that nothing holds, relative to its bending stiffness; makes the matrix definite
 FLAT = 1e-15  # squared height in the local frame at rounding level [L²]; the square of 3e-8, below any drawn shape
+FLAT_FOLD = 0.01  # fold relative to that of the target, below which a place is flat; half and twice it give the same surfaces
 
 
 class Fairness:
@@ -74,7 +77,6 @@ class Fairness:
         for constraint in constraints:
             if isinstance(constraint, Proximity):
                 weights[indices(constraint.vertices, len(V))] *= constraint.weight
-        self.plate = (SEED_MASS * sparse.diags(mass) + bending).tocsr()
         self.axes, has_plan = _axes(V, faces)
         self._has_plan = has_plan
         plan, height = KEEP[settings.keep]
@@ -188,3 +190,18 @@ def _same(one: Optional[sparse.csr_matrix], other: Optional[sparse.csr_matrix]) 
         return one is other
     parts = ("indptr", "indices", "data")
     return one.shape == other.shape and all(np.array_equal(getattr(one, part), getattr(other, part)) for part in parts)
+
+
+def _flat_vertices(vertices: FloatArray, faces: IntArray, wanted: FloatArray) -> NDArray[np.bool_]:
+    """Mark the vertices that are flat for the curvature ``K̄_i A_i`` (n,) wanted of them."""
+    normals, mean = face_normals(vertices, faces), vertex_normals(vertices, faces)
+    corner = faces.ravel()
+    fold = np.zeros(len(vertices))
+    np.maximum.at(fold, corner, np.linalg.norm(np.repeat(normals, 3, axis=0) - mean[corner], axis=1))
+    return fold < FLAT_FOLD * np.sqrt(np.abs(wanted))
+
+
+def flat_share(vertices: FloatArray, faces: IntArray, wanted: FloatArray) -> float:
+    """Return the part of the curvature ``K̄_i A_i`` (n,) wanted that is wanted of flat vertices."""
+    total = float(np.abs(wanted).sum())
+    return float(np.abs(wanted[_flat_vertices(vertices, faces, wanted)]).sum()) / total if total > 0.0 else 0.0

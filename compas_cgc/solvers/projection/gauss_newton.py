@@ -8,6 +8,7 @@ from typing import Optional
 
 import numpy as np
 
+from ...discrete import face_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ..constants import LOOSE_RESIDUAL
@@ -16,14 +17,14 @@ from ..constants import SHORTEST
 from ..constants import TIGHT_RESIDUAL
 from .iterate import Point
 from .system import System
-from .turning import Turning
 
-__all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "line_search"]
+__all__ = ["FINISH", "FULFILLED", "Taken", "Turning", "descend", "descend_to_rounding", "line_search"]
 
 DECREASE = 0.1  # fraction of the predicted decrease that a step has to bring; 0.01 accepts steps that rounding makes near convergence
 SLOW = 0.9  # factor on the merit within PATIENCE; slower searches do not converge within the step limit
 FULFILLED = 1e-8  # residual relative to the prescribed curvature from which steps converge quadratically; the root of the rounding error
 FINISH = 4  # steps that have to gain at the end [steps]; rounding level is reached if they do not
+TURN = 0.5  # cosine of the largest turn of a face in a step; 60°, a face that turns farther may turn over
 
 
 class Taken(NamedTuple):
@@ -96,3 +97,21 @@ def line_search(system: System, equations: CurvatureEquations, here: Point, step
                 return there, length, trials
         length /= 2
     return None
+
+
+class Turning:
+    """The faces of a shape (n, 3), to be held against those of other shapes.
+
+    Linear equations mean nothing for a move that turns a face over.
+    """
+
+    def __init__(self, system: System, vertices: FloatArray):
+        self._system = system
+        self._normals = face_normals(vertices, system.faces)
+        self._folds = np.minimum(system.folds(self._normals), 0.0)
+
+    def allows(self, vertices: FloatArray) -> bool:
+        """Return whether no sound face of a shape (n, 3) has turned far, and no edge folds more sharply than a right angle."""
+        turned = face_normals(vertices, self._system.faces)
+        upright = np.einsum("ij,ij->i", self._normals, turned) >= TURN
+        return bool(upright[self._system.sound].all() and (self._system.folds(turned) >= self._folds).all())

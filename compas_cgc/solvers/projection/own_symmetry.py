@@ -1,4 +1,4 @@
-"""The symmetries that a drawing has of itself, with all that is asked of it."""
+"""The symmetries that a drawing has of itself, with all that is asked of it, and those of them that its surface keeps."""
 
 from __future__ import annotations
 
@@ -28,9 +28,13 @@ from .symmetry import images
 from .symmetry import keep_faces
 from .symmetry import together
 
-__all__ = ["colours", "mirrors_and_own", "own_symmetries"]
+__all__ = ["colours", "kept_symmetries", "mirrors_and_own", "own_symmetries"]
 
 EXACT = 1e-7  # distance of an image from its vertex relative to the size; meshes in Rhino may have single precision, 6e-8
+# distance of a surface from its image relative to the size, below which symmetry is intended; half and twice it give the same surfaces
+NEAR = 2e-3
+# distance from its image relative to the size, up to which a surface is symmetric; 45 rounding errors of a turned coordinate
+SYMMETRIC = 1e-14
 PROBES = 12  # vertices that are checked before all are [vertices]; most candidates fail at one of the first
 
 
@@ -76,6 +80,25 @@ def mirrors_and_own(problem: CGCProblem) -> list[Image]:
     edge = float(np.linalg.norm(problem.vertices[edges[:, 0]] - problem.vertices[edges[:, 1]], axis=1).mean())
     made = [*images(problem.vertices, edge, mirrors), *own_symmetries(others, bind(others))]
     return together(made[1:], len(problem.vertices))
+
+
+def kept_symmetries(vertices: FloatArray, size: float, symmetries: list[Image]) -> Optional[list[Image]]:
+    """Return those symmetries of the drawing that a surface (n, 3) has nearly, None where they are no group or need no help.
+
+    A saddle over a square has fewer than the square; those that it has lost are its own affair.
+    """
+    gaps = [_gap(vertices, image) for image in symmetries]
+    kept = [image for image, gap in zip(symmetries, gaps) if gap <= NEAR * size]
+    if len(kept) < 2 or max(gap for gap in gaps if gap <= NEAR * size) <= SYMMETRIC * size:
+        return None
+    known = {tuple(image.to.tolist()) for image in kept}
+    closed = all(tuple(one.to[other.to].tolist()) in known for one in kept for other in kept)
+    return kept if closed else None
+
+
+def _gap(vertices: FloatArray, image: Image) -> float:
+    moved = vertices @ image.turn.T + image.shift
+    return float(np.abs(moved - vertices[image.to]).max())
 
 
 def colours(problem: CGCProblem) -> IntArray:

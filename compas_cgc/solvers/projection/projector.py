@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import islice
+from typing import Callable
 from typing import Optional
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...discrete import _kernels
 from ...discrete import edge_faces
 from ...discrete._memo import remembered
 from ...discrete.arrays import FloatArray
@@ -37,9 +39,9 @@ from ..constants import ANGLE_ROUNDING
 from ..constants import LOCAL_ROUNDING
 from ..constants import ROUNDINGS
 from .coarse_to_fine import ways_from_coarse
-from .energy import energy_meter
 from .found_curvature import FoundCurvature
 from .gauss_newton import FINISH
+from .gauss_newton import descend
 from .goal_seeking import goal_ways
 from .iterate import Point
 from .limits import limit
@@ -48,15 +50,13 @@ from .messages import found
 from .messages import laid_out_anew
 from .messages import message
 from .own_symmetry import colours
+from .own_symmetry import kept_symmetries
 from .own_symmetry import mirrors_and_own
 from .own_symmetry import own_symmetries
 from .settings import AUTO
 from .settings import ProjectionSettings
 from .starts import is_flat
 from .strategies import ways
-from .symmetric import kept_symmetries
-from .symmetric import made_symmetric
-from .symmetric import symmetric_start
 from .symmetry import Image
 from .symmetry import tears_faces
 from .system import System
@@ -152,7 +152,7 @@ class Projector:
         local = self.posed(targets, vertices)
         equations = system.equations(local.targets)
         asked = exact_equations(equations, settings.measure)
-        energy = energy_meter(local, self._edges)
+        energy = _energy_meter(local, self._edges)
         goal = settings.tolerance * local.target_scale
         drawn, start = system.at(local.vertices, equations), system.at(local.vertices, asked)
         best, used, layout = start, equations, False
@@ -180,7 +180,7 @@ class Projector:
             if mesh is system:
                 drawn_on = here.vertices
             elif mesh is not metered:
-                energy, metered = energy_meter(replace(local, faces=mesh.faces), edge_faces(mesh.faces)), mesh
+                energy, metered = _energy_meter(replace(local, faces=mesh.faces), edge_faces(mesh.faces)), mesh
             recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
             if taken.settled and here.fulfils(goal, system.floor):
                 status, best, on = "converged", here, mesh
@@ -233,8 +233,8 @@ class Projector:
             return reached
         system = self._keeping(kept)
         equations = system.equations(local.targets)
-        best = symmetric_start(system, equations, reached.vertices)
-        polishing = until_spent(islice(made_symmetric(system, equations, reached.vertices), FINISH))
+        best = system.at(system.settled(system.places.symmetric(reached.vertices)), equations)
+        polishing = until_spent(islice(descend(system, equations, best, patience=FINISH), FINISH))
         while not best.fulfils(goal, CLOSE * system.floor):
             taken = next(polishing, None)
             if taken is None:
@@ -396,3 +396,17 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     if had is None or solution.status == "converged":
         return solution
     return solution._replace(status="infeasible", message=joined(["infeasible", solution.message[7:], "; ", had.words], ""))
+
+
+def _energy_meter(problem: CGCProblem, edges: IntArray) -> Callable[[FloatArray], float]:
+    """Return the Steiner energy Φ as a function of the vertices (n, 3).
+
+    As :func:`compas_cgc.discrete.energy`, with the edges (e, 4) found beforehand.
+    """
+    faces, weight = problem.faces, problem.face_targets()
+
+    def energy(vertices: FloatArray) -> float:
+        crosses = _kernels.cross_vectors(vertices, faces)
+        return float(_kernels.total_fold(vertices, crosses, edges) - _kernels.pyramids(vertices, faces, weight))
+
+    return energy

@@ -11,8 +11,8 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ..constants import KRYLOV
 from ..constants import LOOSE_RESIDUAL
+from .bordered import Linearised
 from .iterate import Point
-from .linearised import Linearised
 from .system import System
 from .vectors import dot
 

@@ -17,11 +17,11 @@ from ..constants import MAX_STEPS
 from ..constants import MULTIPLIER_MARGIN
 from ..constants import SHORTEST
 from ..constants import WEIGHT_DECAY
+from .bordered import Linearised
 from .gauss_newton import Taken
+from .gauss_newton import Turning
 from .iterate import Point
-from .linearised import Linearised
 from .system import System
-from .turning import Turning
 from .vectors import dot
 
 __all__ = ["NEAR", "Reached", "approach", "corrected"]

@@ -15,7 +15,7 @@ from ...model.roles import DUMMY
 from ...model.roles import FIXED
 from ..newton import newton
 from ..polish.polisher import plates
-from .flatness import flat_share
+from .fairness import flat_share
 from .iterate import Point
 from .ruled import ruled
 from .sequential import NEAR

@@ -36,15 +36,15 @@ from ..constants import CONVERGED
 from ..constants import LOCAL_ROUNDING
 from ..constants import SMALLEST_FACE
 from .bordered import Bordered
+from .bordered import Kept
+from .bordered import Linearised
 from .contact import Contact
 from .fairness import Fairness
-from .flatness import flat_share
+from .fairness import flat_share
 from .found_curvature import FoundCurvature
 from .iterate import SMALLEST_AREA
 from .iterate import Point
 from .least_norm import LeastNorm
-from .linearised import Kept
-from .linearised import Linearised
 from .placement import Places
 from .placement import movable_vertices
 from .settings import AUTO
@@ -54,7 +54,7 @@ from .symmetry import images
 from .symmetry import keep_faces
 from .vectors import norm
 
-__all__ = ["System"]
+__all__ = ["System", "relaxed"]
 
 MEASURE = 0.5  # work of measuring the equations [right sides]; estimate of the time, which affects the work limit only
 LINES = 3.0  # work of their derivatives [right sides]; estimate of the time, which affects the work limit only
@@ -388,3 +388,10 @@ def _groups(problem: CGCProblem, unknown: list[UnknownConstant], symmetries: Seq
         for one, other in np.unique(np.column_stack([group, group[image.to]])[both], axis=0).tolist():
             group[group == max(one, other)] = min(one, other)
     return group, rates
+
+
+def relaxed(problem: CGCProblem) -> FloatArray:
+    """Return the shape (n, 3) that bends least over the supports of a problem, whatever is drawn between them [L]."""
+    local, frame = problem.local()
+    system = System(local, ProjectionSettings(keep="plan"), bind(local, problem.goals))
+    return frame.to_model(system.settled(system.fairness.relaxed()))

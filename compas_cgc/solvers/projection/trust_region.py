@@ -11,16 +11,16 @@ import numpy as np
 from ...discrete.jacobian import CurvatureEquations
 from ...model.tolerances import ROUNDING
 from ..constants import MAX_STEPS
+from .bordered import Linearised
 from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
+from .gauss_newton import Turning
 from .iterate import Point
-from .linearised import Linearised
 from .quadratic_model import QuadraticModel
 from .sequential import NEAR
 from .sequential import Reached
 from .sequential import corrected
 from .system import System
-from .turning import Turning
 
 __all__ = ["refine"]
 
