@@ -31,8 +31,6 @@ from .rising import Rising
 __all__ = ["TOLERANCE", "Limit", "largest_target", "raised"]
 
 TOLERANCE = 0.01  # width of the interval around a limit, relative to the limit; two digits, so that every door states the same number
-PART = 2 / 3  # vertices of the coarser mesh over MEDIUM_MESH; leaves room for lines whose vertices are all kept
-EACH = 16  # vertices for each region of the coarser mesh [vertices]; 4 by 4, the fewest with vertices away from the edges of a region
 # smallest rejected factor over the largest accepted one, up to which no "or more" is added; a search that runs out of work is wider
 SURELY = 1.15
 
@@ -107,7 +105,7 @@ def largest_target(
     """
     tolerance = checked_number(tolerance, "tolerance")
     problem = problem_of(posed, "has limits").without_dummies()
-    return raised(problem, tolerance=tolerance, solves=solves, vertices=vertices, work=work, own=work)
+    return raised(problem, tolerance=tolerance, solves=solves, vertices=vertices, work=work)
 
 
 def raised(
@@ -117,7 +115,6 @@ def raised(
     solves: int,
     vertices: int,
     work: Optional[Work] = None,
-    own: Optional[Work] = None,
     most: float = math.inf,
 ) -> Limit:
     """Return how large the targets of a problem can be.
@@ -126,10 +123,8 @@ def raised(
 
     Parameters
     ----------
-    problem, tolerance, solves, vertices
+    problem, tolerance, solves, vertices, work
         As for :func:`largest_target`.
-    work, own
-        That the search may take on a coarser mesh, and on its own. Default: any.
     most
         Factor on the targets that is enough.
 
@@ -141,11 +136,10 @@ def raised(
     targets = problem.targets[problem.asked]
     if not len(targets) or not np.isfinite(targets).all() or not targets.any():
         raise ProblemError(["the largest target can be searched only from a target other than zero; set one (mesh.set_target(K))"])
-    count = len(problem.vertices)
-    fewer = max(round(PART * vertices), EACH * (int(problem.regions().max(initial=0)) + 1))
-    coarse = _coarsened(problem, fewer) if count > vertices else None
+    count, work = len(problem.vertices), work or Work(math.inf)
+    coarse = _coarsened(problem, vertices) if count > vertices else None
     if coarse is None:
-        rising = Rising(problem, tolerance, solves, own or Work(math.inf), most)
+        rising = Rising(problem, tolerance, solves, work, most)
         bracket = rising.narrowed(rising.begun())
         if bracket.carried is not None or rising.over:
             return _told(problem, bracket, rising.count)
@@ -153,11 +147,11 @@ def raised(
         coarse = _coarsened(problem, count // 2)
         if coarse is None:
             return _told(problem, bracket, rising.count)
-    elsewhere = Rising(coarse.problem, tolerance, solves, work or Work(math.inf), most)
+    elsewhere = Rising(coarse.problem, tolerance, solves, work, most)
     bracket = elsewhere.narrowed(elsewhere.begun())
     if bracket.carried is None or count > LARGE_MESH:
         return _told(problem, bracket, elsewhere.count, coarser=True)
-    rising = Rising(problem, tolerance, solves, own or Work(math.inf), most)
+    rising = Rising(problem, tolerance, solves, work, most)
     falling = sorted(elsewhere.trail, key=lambda one: -one.factor)
     here = rising.near((one.factor, coarse.carried(one.vertices)) for one in falling)
     if here.carried is None:

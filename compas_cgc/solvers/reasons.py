@@ -11,7 +11,6 @@ from ..errors import COARSER
 from ..errors import ProblemError
 from ..errors import Sentence
 from ..errors import use_method
-from ..linalg.work import Work
 from ..model.bulging import two_sided_supports
 from ..model.flat_edges import saddle_in_flat_edge
 from ..model.goals.binding import bind
@@ -26,7 +25,7 @@ from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
 from ..model.stepped_edges import stepped_edges
 from ..model.straight_edges import twisted_edges
-from .constants import COARSE_VERTICES
+from .constants import MEDIUM_MESH
 from .half_sphere import cap_of_the_rise
 from .limits import TOLERANCE
 from .limits import raised
@@ -36,11 +35,6 @@ from .projection.system import relaxed
 __all__ = ["DRAWN_IN", "contradiction", "why_not_found", "why_rough"]
 
 FEW = 20  # solves of a search for a limit; ten by GROWTH from a gentle surface to HIGH, six halvings to 1 %, and four for retries
-SMALL = 500  # vertices above which the search uses a coarser mesh [vertices]; a limit belongs to the supports and not to the mesh
-SEARCH = 1.2e7  # work of the search on the coarser mesh [right sides times unknowns]; under two seconds
-OWN = 6000.0  # work on the mesh itself [right sides]; two seconds for 1,000 vertices
-WITH_GOALS = 20000.0  # the same with goals [right sides]; solves with goals take more steps
-SMALLEST = 800  # vertices that smaller meshes are counted as [vertices]; a search on them takes as many solves, and little time
 DRAWN_IN = Sentence("with the method projection free edges may leave their drawn lines", [use_method("projection")])
 NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small fraction of K̄; reduce {}")
 
@@ -98,14 +92,12 @@ def _carried(problem: CGCProblem, nothing: Optional[str] = "", enough: str = "")
     """
     targets = problem.targets[problem.asked]
     known = len(targets) and np.isfinite(targets).all() and not unknown_regions(problem)
-    if not known or (problem.goals and len(problem.vertices) > COARSE_VERTICES):
+    if not known:
         return ""
     if not targets.any():
         return "" if problem.goals else _far_from_developable(problem)
-    own = Work((WITH_GOALS if problem.goals else OWN) * 3.0 * max(SMALLEST, len(problem.vertices)))
-    real = problem.without_dummies()
     try:
-        limit = raised(real, tolerance=TOLERANCE, solves=FEW, vertices=SMALL, work=Work(SEARCH), own=own, most=1.0)
+        limit = raised(problem.without_dummies(), tolerance=TOLERANCE, solves=FEW, vertices=MEDIUM_MESH, most=1.0)
     except ProblemError:  # What the goals name is not on a coarser mesh.
         return ""
     if limit.status == "none":

@@ -24,7 +24,6 @@ from ..model.problem import CGCProblem
 from ..model.result import Solution
 from ..model.verdict import Verdict
 from ..model.verdict import verdict
-from .newton.settings import NewtonSettings
 from .projection.settings import ProjectionSettings
 
 __all__ = ["GROWTH", "Bracket", "Carried", "Rising"]
@@ -35,7 +34,6 @@ GROWTH = 1.5
 # factor between targets that are tried from the surfaces of a coarser mesh; differences of 5 % are within the accuracy of the search
 FALL = 0.95
 HIGH = 8 * np.pi  # total curvature that is never the limit [rad]; two whole spheres
-STEPS = 100  # step limit of one solve [steps]; a solve from a surface on the branch converges in far fewer
 
 
 class Carried(NamedTuple):
@@ -153,7 +151,7 @@ def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solu
 
         def by_newton(factor: float, vertices: Optional[FloatArray]) -> Solution:
             own = replace(problem, targets=factor * problem.targets, vertices=problem.vertices if vertices is None else vertices)
-            return newton(own, settings=NewtonSettings(steps=STEPS))._replace(method="newton")
+            return newton(own)._replace(method="newton")
 
         return by_newton
     from .polish.posed import takes_goals
@@ -164,14 +162,14 @@ def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solu
 
         def by_bending(factor: float, vertices: Optional[FloatArray]) -> Solution:
             own = replace(problem, targets=factor * problem.targets)
-            return polish(own, settings=PolishSettings(steps=STEPS, evenness=0.0), start=vertices)._replace(method="bending")
+            return polish(own, settings=PolishSettings(evenness=0.0), start=vertices)._replace(method="bending")
 
         return by_bending
     from .projection.projector import Projector
 
-    cold = Projector(problem, settings=ProjectionSettings(steps=2 * STEPS))
+    cold = Projector(problem)
     # Where the last surface does not lead on, no other start is asked: the limit is that of this branch.
-    warm = Projector(problem, settings=ProjectionSettings(steps=STEPS, retry=False))
+    warm = Projector(problem, settings=ProjectionSettings(retry=False))
 
     def by_projection(factor: float, vertices: Optional[FloatArray]) -> Solution:
         return (cold if vertices is None else warm).solve(factor * problem.targets, vertices)._replace(method="projection")
