@@ -18,7 +18,6 @@ from .vectors import dot
 
 __all__ = ["InnerStep", "QuadraticModel"]
 
-FIRST_RESIDUAL = 1e-2  # relative residual of the first linear systems; far from the minimum the model errs by more
 FORCING = 1e-1  # fraction of the squared gradient that a step leaves; smaller near convergence (Eisenstat and Walker)
 NO_BEND = 1e-6  # curvature along a direction relative to that of the metric, below which it is zero; a step then ends at the trust region
 
@@ -62,9 +61,9 @@ class QuadraticModel:
         self._weights = system.spread(multipliers)
         self._along = system.hessian(equations, point.vertices, self._weights)
         self.energy, gradient = system.fairness.energy(point.vertices)
-        self.normal = linear.solver.cheapest(linear.right, FIRST_RESIDUAL).move
+        self.normal = linear.solver.cheapest(linear.right, LOOSE_RESIDUAL).move
         downhill = -(linear.reduced(gradient) + linear.solver.transposed @ multipliers) - self._bend(self.normal)
-        self._first = self._seen(downhill, multipliers, FIRST_RESIDUAL)
+        self._first = self._seen(downhill, multipliers, LOOSE_RESIDUAL)
 
     @property
     def slope(self) -> float:

@@ -34,6 +34,7 @@ from ...model.measures import read_across
 from ...model.problem import CGCProblem
 from ..constants import CONVERGED
 from ..constants import LOCAL_ROUNDING
+from ..constants import MAX_STEPS
 from ..constants import SMALLEST_FACE
 from .bordered import Bordered
 from .bordered import Kept
@@ -63,7 +64,6 @@ STEEPEST = 1e8
 # flat share of a drawing above which its heights are not kept; most of it bends nowhere, and half and twice it give the same surfaces
 FLAT_SHARE = 0.5
 RELAXING = 2  # times that drawn heights are relaxed; half and twice as many give the same surfaces
-SETTLING = 5  # moves onto curved constraints [steps]; they converge quadratically, and half and twice as many give the same surfaces
 
 
 class System:
@@ -329,7 +329,7 @@ class System:
         """Return a shape (n, 3) moved onto the constraints, by fair moves."""
         if self.places.trivial:
             return vertices
-        for _ in range(SETTLING):
+        for _ in range(MAX_STEPS):
             freedoms = self.places.freedoms(vertices)
             if freedoms.gap is None or np.abs(freedoms.gap).max(initial=0.0) <= EPS:
                 break

@@ -12,7 +12,6 @@ from ...discrete.jacobian import CurvatureEquations
 from ...model.tolerances import ROUNDING
 from ..constants import MAX_STEPS
 from .bordered import Linearised
-from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
 from .gauss_newton import Turning
 from .iterate import Point
@@ -35,8 +34,6 @@ BACK = 3  # moves back onto the equations after a step; a new step costs more, a
 ON = 1e-4  # residual relative to the prescribed curvature on the equations; below what the model of the energy resolves
 SETTLED = 1e-7  # longest move relative to the size that ends a search; the square of the next step is at rounding level
 POINTLESS = 3e-3  # decrease relative to the energy for which a step is not shortened again; invisible changes of the shape
-# ratio of a step to the one before, above which the search wanders where K is unknown; half and twice it give the same surfaces
-AIMLESS = 0.5
 SMALLEST_STEP = 1e-4  # step over the root of the energy whose decrease is below rounding; the fourth root of the rounding error
 
 
@@ -78,7 +75,7 @@ def _refined(
     """
     system, multipliers = reached.system or system, reached.multipliers
     here = system.at(reached.point.vertices, equations)
-    radius, kept, before = 0.0, None, math.inf
+    radius, kept = 0.0, None
     for _ in range(MAX_STEPS):
         system = system.renewed(here, equations, multipliers)
         linear = system.linearised(here, equations, kept)
@@ -110,19 +107,14 @@ def _refined(
             radius *= GROW
         moved = float(np.abs(there.vertices - here.vertices).max(initial=0.0)) / system.size
         pointless = step.promised <= POINTLESS * model.energy
-        # Where K is found there can be directions in which all is as fair, and to wander along them leads nowhere.
-        aimless = pointless and isinstance(equations, FoundCurvature) and moved > AIMLESS * before
-        if aimless and system.missing(there, equations) > system.missing(here, equations):
-            return Reached(here, multipliers, system), True
         here, multipliers = there, step.multipliers
         settled = step.inside and moved * max(step.left, moved) <= enough
         settled = settled and system.renewed(here, equations, multipliers).contact.same(system.contact)
         yield Taken(here.vertices, 1.0, trials, settled)
-        if settled or aimless:
+        if settled:
             return Reached(here, multipliers, system), True
         if trials > 1 and pointless:
             break
-        before = moved
     return Reached(here, multipliers, system), False
 
 
