@@ -19,11 +19,10 @@ from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from ..model.verdict import Verdict
-from .coarse import Coarse
 from .coarse import coarsened
 from .constants import LARGE_MESH
 from .constants import MEDIUM_MESH
-from .projection.system import relaxed
+from .projection.drawing import as_meant
 from .rising import GROWTH
 from .rising import Bracket
 from .rising import Rising
@@ -137,14 +136,16 @@ def raised(
     if not len(targets) or not np.isfinite(targets).all() or not targets.any():
         raise ProblemError(["the largest target can be searched only from a target other than zero; set one (mesh.set_target(K))"])
     count, work = len(problem.vertices), work or Work(math.inf)
-    coarse = _coarsened(problem, vertices) if count > vertices else None
+    # Spikes of columns that were pulled out of a sheet hide its plan.
+    drawn = as_meant(problem)
+    coarse = coarsened(drawn, vertices) if count > vertices else None
     if coarse is None:
         rising = Rising(problem, tolerance, solves, work, most)
         bracket = rising.narrowed(rising.begun())
         if bracket.carried is not None or rising.over:
             return _told(problem, bracket, rising.count)
         # Where it is the layout of the mesh that is rough, one laid out anew tells what the supports can carry.
-        coarse = _coarsened(problem, count // 2)
+        coarse = coarsened(drawn, count // 2)
         if coarse is None:
             return _told(problem, bracket, rising.count)
     elsewhere = Rising(coarse.problem, tolerance, solves, work, most)
@@ -158,11 +159,6 @@ def raised(
         return _told(problem, bracket, elsewhere.count + rising.count, coarser=True)
     growth = min(GROWTH, max(1.0 + tolerance, (bracket.beyond or math.inf) / here.carried.factor))
     return _told(problem, rising.narrowed(here, growth), elsewhere.count + rising.count)
-
-
-def _coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
-    """Return a problem on a coarser mesh, laid over its plate where spikes of columns pulled out of a sheet hide the plan."""
-    return coarsened(problem, count) or coarsened(problem.with_vertices(relaxed(problem)), count)
 
 
 def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = False) -> Limit:

@@ -66,8 +66,7 @@ def ways_from_coarse(
         if last is not None and last.settled and _is_fair(problem, last.vertices):
             yield last
     elif system.keep != "shape" and len(system.columns) >= LARGE_MESH:
-        # Supports that were pulled out of a sheet leave spikes on it, which hide its plan.
-        coarse = coarsened(problem.with_vertices(system.fairness.rest), COARSE_VERTICES)
+        coarse = coarsened(problem, COARSE_VERTICES)
     if coarse is None:
         yield from ways(system, equations, start, settings, False)
         return

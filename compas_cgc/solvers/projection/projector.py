@@ -39,6 +39,7 @@ from ..constants import ANGLE_ROUNDING
 from ..constants import LOCAL_ROUNDING
 from ..constants import ROUNDINGS
 from .coarse_to_fine import ways_from_coarse
+from .drawing import as_meant
 from .found_curvature import FoundCurvature
 from .gauss_newton import FINISH
 from .gauss_newton import descend
@@ -109,9 +110,11 @@ class Projector:
             text = f"the method projection cannot find an unknown K in the measure {self.settings.measure}; use the method auto"
             raise ProblemError([Sentence(text, [use_method("auto")])])
         self.problem = guessed(problem)
-        self._local, self._frame = self.problem.local()
+        drawn, self._frame = self.problem.local()
+        self._local = as_meant(drawn)
         own = mirrors_and_own(self._local) if symmetric else []
-        self._system = System(self._local, self.settings, bind(self._local, problem.goals), own=own)
+        # A sheet that supports carry along leans, and moves aside: edges stay over the lines of the drawing itself.
+        self._system = System(self._local, self.settings, bind(drawn, problem.goals), own=own)
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
         self._symmetries: tuple[bytes, list[Image]] = b"", []

@@ -10,6 +10,7 @@ from compas_cgc import CGCMesh
 from compas_cgc import solve
 from compas_cgc.meshing import named_supports
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.projection.drawing import as_meant
 
 from ...support import shapes
 
@@ -51,14 +52,26 @@ def plate() -> np.ndarray:
     return np.column_stack([10 * x, 10 * y, 3 * (1 - x) * (1 - y) + 3 * x * y])
 
 
-def test_a_relief_says_the_side():
+def test_a_relief_is_carried_and_says_the_side():
+    low, high = (as_meant(lifted((2, 2, 2, 2), relief=relief)).vertices[:, 2] for relief in (-1.0, 1.0))
     middle = (N // 2) * (N + 1) + N // 2
+    assert low[middle] == pytest.approx(1.0, abs=0.4) and high[middle] == pytest.approx(3.0, abs=0.4)
     assert (
         solve(lifted((2, 2, 2, 2), relief=-1.0)).vertices[middle, 2]
         < 1.0
         < 3.0
         < solve(lifted((2, 2, 2, 2), relief=1.0)).vertices[middle, 2]
     )
+
+
+def test_drawings_that_are_meant_stay_to_the_bit():
+    vertices, faces = shapes.grid(N, 10.0)
+    x, y, _ = vertices.T
+    for heights in (3 - 0.06 * ((x - 5) ** 2 + (y - 5) ** 2), 0.06 * x * y, np.hypot(x - 5, y - 5), 0.0 * x):
+        drawn = CGCProblem(np.column_stack([x, y, heights]), faces, targets=0.01)
+        for supports in ("corners", "boundary", [*CORNERS, (N // 2) * (N + 1) + N // 2]):
+            problem = drawn.with_supports(supports)
+            assert as_meant(problem) is problem
 
 
 def test_beside_a_lifted_corner_there_is_none():
