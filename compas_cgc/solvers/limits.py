@@ -20,6 +20,7 @@ from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from ..model.verdict import Verdict
 from .coarse import coarsened
+from .constants import EVEN_VERTICES
 from .constants import LARGE_MESH
 from .constants import MEDIUM_MESH
 from .projection.drawing import as_meant
@@ -138,7 +139,7 @@ def raised(
     count, work = len(problem.vertices), work or Work(math.inf)
     # Spikes of columns that were pulled out of a sheet hide its plan.
     drawn = as_meant(problem)
-    coarse = coarsened(drawn, vertices) if count > vertices else None
+    coarse = coarsened(drawn, min(vertices, EVEN_VERTICES)) if count > vertices else None
     if coarse is None:
         rising = Rising(problem, tolerance, solves, work, most)
         bracket = rising.narrowed(rising.begun())
