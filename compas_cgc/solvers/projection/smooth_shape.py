@@ -20,6 +20,7 @@ from ...linalg import factorise
 from ...linalg.work import count
 from ...linalg.work import rights
 from ..constants import FACTORS
+from ..polish.posed import SMOOTHINGS
 from .gauss_newton import Taken
 from .smooth_equations import SLOPES
 from .system import System
@@ -33,9 +34,6 @@ FARTHEST = 0.1  # longest move relative to the size; half of it moves a surface 
 HALVINGS = 5  # halvings of a step; half as many lead to another fair surface, twice as many to the same
 # move relative to the size below which the next weight follows; ten times it leads to another fair surface, a tenth moves by 2e-4
 STILL = 3e-4
-COARSE = 300  # vertices up to which normals are not smoothed [vertices]; their edges are longer than waves are high
-TIMES = 0.015  # averages of normals for each vertex above COARSE; over about a tenth of the size of the mesh
-MOST_TIMES = 100  # largest number of averages; bounds the time
 STEEPEST = 0.5  # smallest cosine between these directions and the normals; limits moves to twice the distance
 
 
@@ -136,8 +134,7 @@ class _State:
         normals = vertex_normals(self.vertices, self._system.faces)
         if not self._smoothed_normals:
             return normals
-        times = min(MOST_TIMES, max(0, round(TIMES * (len(normals) - COARSE))))
-        directions = smooth_normals(self.vertices, self._system.faces, times)
+        directions = smooth_normals(self.vertices, self._system.faces, SMOOTHINGS)
         return directions / np.maximum(np.einsum("nx,nx->n", directions, normals), STEEPEST)[:, None]
 
     def _move(self, directions: FloatArray, weight: float) -> FloatArray:
