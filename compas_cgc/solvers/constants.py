@@ -76,4 +76,5 @@ EVEN_VERTICES = 600
 MEDIUM_MESH = 1000  # vertices above which a search begins on a coarser mesh [vertices]; below, this saves no time
 # vertices of coarser meshes for the projection [vertices]; its surfaces differ by less than 1e-3 of the size from finer ones
 COARSE_VERTICES = 2000
-LARGE_MESH = 6000  # vertices from which a search on a coarser mesh pays [vertices]; below, it saves no time
+# vertices from which a search on a coarser mesh pays, and linear systems are solved with old factors [vertices]; below, it saves no time
+LARGE_MESH = 6000

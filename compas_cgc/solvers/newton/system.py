@@ -24,12 +24,10 @@ from ...linalg import linear_solver
 from ...linalg import nearly_solved
 from ...model.laws import types_of
 from ...model.problem import CGCProblem
+from ..constants import LARGE_MESH
 from ..constants import LOCAL_ROUNDING
 
 __all__ = ["Shape", "Step", "System"]
-
-# unknowns from which systems are solved iteratively with old factors [unknowns]; below, a factorisation takes some hundredths of a second
-MANY = 10_000
 
 Solve = Callable[[FloatArray], FloatArray]
 
@@ -100,7 +98,7 @@ class System:
     @property
     def many(self) -> bool:
         """Whether there are so many unknowns that factors take longer than some rounds with old ones."""
-        return len(self.asked) >= MANY
+        return len(self.asked) >= LARGE_MESH
 
     def solving(self, matrix: sparse.csr_matrix) -> Solve:
         """Return the solution (k,) of a linear system (k, k) by right sides (k,).
