@@ -82,7 +82,15 @@ TURNED_OVER = (
     "it meets its goals only on the side of the supports opposite to the drawing; with a smaller curvature it may meet "
     "them on the drawn side"
 )
-OTHER_GOALS = "the method bending moves vertices along fixed directions, and such moves cannot meet all of these goals"
+OTHER_GOALS = Sentence(
+    "the method bending moves vertices along fixed directions, and such moves cannot meet all of these goals; use the method "
+    "projection, or auto",
+    [use_method("projection")],
+)
+WITH_LAWS = (
+    "with laws other than constant K vertices move along fixed directions, and such moves cannot meet all of these goals; remove goals "
+    "for edges in plan and mirrors, and support vertices that shall not move"
+)
 
 
 @names_what_was_meant()
@@ -133,7 +141,7 @@ def polish(
     if problem.goals:
         refuse_impossible(problem)
         if not takes_goals(problem):
-            raise ProblemError([Sentence(f"{OTHER_GOALS}; use the method projection, or auto", [use_method("projection")])])
+            raise ProblemError([WITH_LAWS if problem.laws else OTHER_GOALS])
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} has no target; set the K̄ of its region"])

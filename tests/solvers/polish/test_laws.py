@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from compas_cgc import CGCMesh
+from compas_cgc import Fixed
 from compas_cgc import analyse
 from compas_cgc import solve
 from compas_cgc.discrete import vertex_normals
+from compas_cgc.errors import ProblemError
 from compas_cgc.model.laws import Law
 from compas_cgc.model.laws import Shape
 from compas_cgc.model.problem import CGCProblem
@@ -213,3 +215,14 @@ def test_a_slider_of_a_law_goes_on_from_the_surface_before():
     cold = solve(_roof(9), laws={1: "H = 0.055"})
     assert "starting from the previous surface" in on.message
     assert np.abs(on.vertices - cold.vertices).max() < 1e-6
+
+
+def test_goals_that_moves_along_fixed_directions_cannot_meet_are_refused_with_a_remedy():
+    mesh = CGCMesh.from_meshgrid(dx=10, nx=6)
+    mesh.set_supports("corners")
+    mesh.set_target(0.01)
+    with pytest.raises(ProblemError, match="use the method projection, or auto"):
+        polish(mesh.to_problem().with_goals([Fixed([24])]))
+    mesh.set_law("H = 0.05")
+    with pytest.raises(ProblemError, match="support vertices that shall not move"):
+        solve(mesh, goals=[Fixed([24])])
