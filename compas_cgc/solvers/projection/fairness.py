@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Callable
 from typing import Optional
 
 import numpy as np
@@ -15,7 +14,6 @@ from ...discrete import vertex_areas
 from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
-from ...linalg import factorise
 from ...model.constraints import Constraint
 from ...model.constraints import Proximity
 from ...model.constraints import indices
@@ -150,10 +148,6 @@ class Fairness:
             points = self.points if freedoms is None or basis is None else self._drawing[freedoms.owner]
             last = self._last = Metric(self.plan, self.height, self.axes, points, basis)
         return last
-
-    def along_normals(self) -> tuple[sparse.csr_matrix, Callable[[FloatArray], FloatArray]]:
-        """Return what moves (c,) across the surface cost, and the inverse of that."""
-        return self.height, factorise(self.height, symmetric=True, points=self.points[::3], refine=False).solve
 
     def fairest_through(self, vertices: FloatArray) -> FloatArray:
         """Return the shape (n, 3) of least energy through the vertices that may not move."""
