@@ -51,7 +51,7 @@ def local_fits(
     faces
         ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     wanted
-        ``(n,)`` bool: vertices to fit at; those without a closed ring of faces are skipped. Default: all.
+        ``(n,)`` bool: vertices to fit at; with `layout`, those without a closed ring of faces are skipped. Default: all with one.
     through
         ``(n,)`` bool: vertices through which the farther rings are reached; exclude those of a crease, so that no
         fit extends across it. Default: all.
@@ -76,7 +76,7 @@ def local_fits(
     V, F = mesh_arrays(vertices, faces)
     n = len(V)
     closed = closed_vertices(V, F)
-    where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
+    where = closed if wanted is None else np.asarray(wanted, dtype=bool) & (closed | (not layout))
     open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
     return as_local_fits(_local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned, layout))
 

@@ -34,7 +34,10 @@ from .roles import CREASE
 from .roles import DUMMY
 from .roles import FIXED
 from .roles import INTERNAL
+from .visible import FINE_DEGREE
+from .visible import FINE_RINGS
 from .visible import PLAN_SHARE
+from .visible import VISIBLE
 from .visible import dip
 from .visible import on_held_edges
 from .visible import points
@@ -43,8 +46,6 @@ __all__ = ["Verdict", "verdict"]
 
 MAX_MEDIAN_ERROR = 0.05  # median relative error of the fitted K on a fair surface; fair surfaces of docs/fairness.md have 0.4 to 2.6 %
 MAX_ERROR_90 = 0.3  # 90th percentile of the same; fits beside rims and slivers err more than in the middle
-FINE_DEGREE = 4  # degree of the second fits; cubic fits deviate by 10 to 30 % on exact pseudospheres with triangles of 3 : 1
-FINE_RINGS = 3  # rings of the second fits; two rings have too few points for fourteen terms
 # relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)²; exact to the leading term on spheres
 FIT_ERROR_FACTOR = 0.6
 MAX_FIT_SQUARE = 0.25  # largest value of that square; fits over a larger part of the sphere get no further allowance
@@ -145,8 +146,8 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
 
     On a fair surface, polynomials fitted to two rings of neighbours (or of higher degree to three) have the target curvature
     within the accuracy of the mesh, and the vertices lie on them. A region with K > 0 bulges to one side. Edges fold no more than
-    curvature and edge length explain, and bending does not jump within a region. No vertex, supports included, is a visible tip, and no
-    dome dips between its supports. Triangles are not stretched to needles, and
+    curvature and edge length explain, and bending does not jump within a region. No vertex, supports included, is a
+    visible tip or has another K on every reading, and no dome dips between its supports. Triangles are not stretched to needles, and
     the area does not collapse. Fits near supports are not compared, because the exact surface may be singular there (K > 0 at
     a straight edge).
 
@@ -244,14 +245,15 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
             "(draw the surface as a saddle, or set a smaller K)"
         )
     measured = measured_curvature_of(V, read_across(problem), inner[creased, :2], problem.regions())
-    pointed = points(problem, measured)
+    pointed = points(problem, measured, _least(problem, fits))
     if len(pointed.vertices):
         worst = int(np.argmax(pointed.turns))
-        at, turn = pointed.vertices[worst], np.degrees(pointed.turns[worst])
+        at, turn = pointed.vertices[worst], pointed.turns[worst]
         support = "the support at " if problem.roles[at] == FIXED else ""
         change = "supports or creases" if len(problem.creases) else "supports"
+        what = f"it has a sharp tip of {np.degrees(turn):.0f} degrees" if turn > VISIBLE else "its K is less than half of the target"
         reasons.append(
-            f"it has a sharp tip of {turn:.0f} degrees at {support}vertex {problem.names.vertices[at]}, where K is "
+            f"{what} at {support}vertex {problem.names.vertices[at]}, where K is "
             f"{pointed.found[worst]:.3g} (set a smaller |K|, or change the {change} there)"
         )
     lowest, deep = dip(problem, measured)
