@@ -129,8 +129,8 @@ def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
     Returns
     -------
     Coarse or None
-        None where there is none to be had: the drawing has no plan, lines are too close for so few vertices, or a path whose length is
-        prescribed would lose some.
+        None where there is none to be had: the drawing has no plan, lines are too close for so few vertices, a region would lose all
+        vertices where K is prescribed, or a path whose length is prescribed would lose some.
     """
     return _laid_out(problem, count, LARGEST, True)
 
@@ -172,6 +172,8 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     if not here.any(axis=0).all():
         return None
     coarse = _posed(problem, found, here)
+    if not here[coarse.asked].any(axis=0)[belongs[problem.asked].any(axis=0)].all():
+        return None
     places = np.vstack([plan[found.kept], np.einsum("pk,pkx->px", found.weights, plan[F[found.within]])])
     return Coarse(coarse, problem, (places, plan), (here, belongs), found.kept, up)
 

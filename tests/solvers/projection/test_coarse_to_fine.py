@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compas_cgc import CGCMesh
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.model.constraints import Mirror
@@ -75,6 +76,14 @@ def test_supports_creases_and_targets_of_regions_are_on_the_coarser_mesh():
     wanted = problem.vertices + np.abs(problem.vertices[:, :1] - 0.5) * [0, 0, 1]
     wanted[problem.supports] = problem.vertices[problem.supports]
     assert np.abs(coarse.carried(bent) - wanted).max() < 1e-9, "folds along the crease are carried over"
+
+
+def test_no_region_loses_its_last_vertex_with_a_target():
+    mesh = CGCMesh.from_meshgrid(dx=1, nx=10)
+    mesh.set_supports("boundary")
+    mesh.set_creases([[11 * 2 + k for k in range(11)], [11 * k + 2 for k in range(11)]])
+    mesh.set_target(0.01)
+    assert coarsened(mesh.to_problem(), 60) is None
 
 
 def test_drawings_without_a_plan_or_with_mirrors_have_no_coarser_mesh():
