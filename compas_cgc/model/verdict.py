@@ -147,7 +147,8 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     On a fair surface, polynomials fitted to two rings of neighbours (or of higher degree to three) have the target curvature
     within the accuracy of the mesh, and the vertices lie on them. A region with K > 0 bulges to one side. Edges fold no more than
     curvature and edge length explain, and bending does not jump within a region. No vertex, supports included, is a
-    visible tip or has another K on every reading, and no dome dips between its supports. Triangles are not stretched to needles, and
+    visible tip or has K of the wrong sign on every reading, and no dome dips between its supports. Triangles are not
+    stretched to needles, and
     the area does not collapse. Fits near supports are not compared, because the exact surface may be singular there (K > 0 at
     a straight edge).
 
@@ -251,7 +252,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         at, turn = pointed.vertices[worst], pointed.turns[worst]
         support = "the support at " if problem.roles[at] == FIXED else ""
         change = "supports or creases" if len(problem.creases) else "supports"
-        what = f"it has a sharp tip of {np.degrees(turn):.0f} degrees" if turn > VISIBLE else "its K is less than half of the target"
+        what = f"it has a sharp tip of {np.degrees(turn):.0f} degrees" if turn > VISIBLE else "its K has the wrong sign"
         reasons.append(
             f"{what} at {support}vertex {problem.names.vertices[at]}, where K is "
             f"{pointed.found[worst]:.3g} (set a smaller |K|, or change the {change} there)"

@@ -49,12 +49,12 @@ class Points(NamedTuple):
 
 
 def points(problem: CGCProblem, measured: MeasuredCurvature, least: FloatArray) -> Points:
-    """Return the vertices, supports included, where K is far off, visibly or on every reading.
+    """Return the vertices, supports included, where K is far off, visibly or by its sign on every reading.
 
     The integral of K - K̄ over the cell of a vertex is that of a cone which turns by ``θ`` across its tip: ``π θ² / 4``. Up to
     two edges from supports, where the exact surface may be singular, a visible tip has K of the wrong sign, elsewhere K is off
-    by more than half. What is not visible counts if mid-edge normals and polynomials of two degrees all read less than half of
-    K̄, or the wrong sign: each errs on coarse meshes in its own way, and near singular points they read too much. On fixed edges, creases
+    by more than half. What is not visible counts if mid-edge normals and polynomials of two degrees all read the wrong sign: each errs on
+    coarse meshes in its own way. On fixed edges, creases
     and free edges not all methods prescribe K, and up to two edges from fixed ones K is not judged where K̄ > 0:
     towards a straight fixed edge one principal curvature is unbounded, and on it K is not positive.
 
@@ -81,17 +81,19 @@ def points(problem: CGCProblem, measured: MeasuredCurvature, least: FloatArray) 
     excess, half = np.abs(missed) * cells, HALF * np.abs(targets) * cells
     judged = (excess > half) & ~unbounded[at] & (problem.asked | fixed)[at]
     visible = (excess > half + np.pi / 4.0 * VISIBLE**2) & (~near[at] | (measured.gaussian * types_of(targets) < 0.0))
-    # Polynomials read no bounded curvature where their rings reach edges at which it is unbounded.
-    reached = within_rings(F, held, FINE_RINGS) & (problem.types > 0)
+    # Polynomials read no bounded curvature where their rings reach edges at which it is unbounded, and beside creases from one side only.
+    folded = np.zeros(len(fixed), bool)
+    folded[problem.creases] = True
+    reached = (within_rings(F, held, FINE_RINGS) & (problem.types > 0)) | within_rings(F, folded, NEAR)
     # Goals with K given push the surface, and curvature is singular under a push.
     pushed = bool(problem.goals) and not any(isinstance(goal, Unknown) for goal in problem.goals)
-    low = judged & (missed * types_of(targets) < -HALF * least[at]) & ~reached[at] & (not pushed)
+    low = judged & (excess > HALF * least[at] * cells) & (measured.gaussian * types_of(targets) < 0.0) & ~reached[at] & (not pushed)
     bad = judged & (visible | _is_confirmed(problem, at, targets, np.maximum(np.abs(targets), least[at]), low))
     return Points(at[bad], 2.0 * np.sqrt(excess[bad] / np.pi), measured.gaussian[bad])
 
 
 def _is_confirmed(problem: CGCProblem, at: IntArray, targets: FloatArray, scale: FloatArray, where: Mask) -> Mask:
-    """Return where (p,) polynomials of two degrees around vertices (p,) have less than their targets (p,) by half of a scale (p,)."""
+    """Return where (p,) polynomials of two degrees around vertices (p,) have K of the other sign than targets (p,), by half of a scale."""
     wanted = np.zeros(len(problem.vertices), bool)
     wanted[at[where]] = True
     wanted[problem.creases] = False
@@ -101,7 +103,7 @@ def _is_confirmed(problem: CGCProblem, at: IntArray, targets: FloatArray, scale:
     through = problem.roles == INTERNAL
     for degree, rings in ((3, 2), (FINE_DEGREE, FINE_RINGS)):
         read = local_fits(problem.vertices, problem.faces, wanted, through, degree, rings, pinned=False, layout=False).gaussian[at]
-        found &= (targets - read) * types_of(targets) > HALF * scale
+        found &= (read * types_of(targets) < 0.0) & (np.abs(targets - read) > HALF * scale)
     return found
 
 

@@ -172,7 +172,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     if not here.any(axis=0).all():
         return None
     coarse = _posed(problem, found, here)
-    if not here[coarse.asked].any(axis=0)[belongs[problem.asked].any(axis=0)].all():
+    if (belongs[problem.asked].any(axis=0) & ~here[coarse.asked].any(axis=0)).any():
         return None
     places = np.vstack([plan[found.kept], np.einsum("pk,pkx->px", found.weights, plan[F[found.within]])])
     return Coarse(coarse, problem, (places, plan), (here, belongs), found.kept, up)

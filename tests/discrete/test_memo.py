@@ -75,5 +75,6 @@ def test_a_solve_looks_for_the_edges_of_a_large_mesh_once(monkeypatch):
     monkeypatch.setattr(topology.np, "lexsort", lambda keys: looked.append(len(keys[0])) or lexsort(keys))
     problem = square(211)
     assert problem.faces.nbytes > MAX_BYTES
-    assert solve(problem).verdict.fair
+    # The smooth measure is read on other triangles in the corners.
+    assert solve(problem, method="newton", settings={"measure": "defect"}).verdict.fair
     assert looked.count(problem.faces.size) == 1

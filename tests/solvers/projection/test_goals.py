@@ -244,7 +244,7 @@ def test_an_edge_on_a_surface():
 def test_a_clearance_that_cannot_be_says_how_much_can():
     result = solve(roof(n=10), goals=[Clearance(GATE, 40.0), EdgeInPlan()])
     assert result.status == "infeasible"
-    assert "the clearance 40 cannot be met" in result.message and "of the clearance 40 about" in result.message
+    assert "the clearance 40 cannot be met" in result.message and "instead of the clearance 40, about" in result.message
 
 
 def test_the_smooth_measure_finds_k_too():
