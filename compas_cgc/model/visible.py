@@ -87,23 +87,27 @@ def points(problem: CGCProblem, measured: MeasuredCurvature, least: FloatArray) 
     reached = (within_rings(F, held, FINE_RINGS) & (problem.types > 0)) | within_rings(F, folded, NEAR)
     # Goals with K given push the surface, and curvature is singular under a push.
     pushed = bool(problem.goals) and not any(isinstance(goal, Unknown) for goal in problem.goals)
-    low = judged & (excess > HALF * least[at] * cells) & (measured.gaussian * types_of(targets) < 0.0) & ~reached[at] & (not pushed)
-    bad = judged & (visible | _is_confirmed(problem, at, targets, np.maximum(np.abs(targets), least[at]), low))
+    low = judged & _is_opposite(measured.gaussian, targets, least[at]) & ~reached[at] & (not pushed)
+    bad = judged & (visible | _is_confirmed(problem, at, targets, least[at], low))
     return Points(at[bad], 2.0 * np.sqrt(excess[bad] / np.pi), measured.gaussian[bad])
 
 
-def _is_confirmed(problem: CGCProblem, at: IntArray, targets: FloatArray, scale: FloatArray, where: Mask) -> Mask:
-    """Return where (p,) polynomials of two degrees around vertices (p,) have K of the other sign than targets (p,), by half of a scale."""
-    wanted = np.zeros(len(problem.vertices), bool)
-    wanted[at[where]] = True
-    wanted[problem.creases] = False
-    found = where & wanted[at]
+def _is_opposite(read: FloatArray, targets: FloatArray, least: FloatArray) -> Mask:
+    """Return where readings (p,) have the other sign than targets (p,) and are off by more than half of these, or of the least (p,)."""
+    return (read * types_of(targets) < 0.0) & (np.abs(read - targets) > HALF * np.maximum(np.abs(targets), least))
+
+
+def _is_confirmed(problem: CGCProblem, at: IntArray, targets: FloatArray, least: FloatArray, where: Mask) -> Mask:
+    """Return where (p,) polynomials of two degrees around vertices (p,) have K of the other sign than targets (p,), too."""
+    found = where.copy()
     if not found.any():
         return found
+    wanted = np.zeros(len(problem.vertices), bool)
+    wanted[at[where]] = True
     through = problem.roles == INTERNAL
     for degree, rings in ((3, 2), (FINE_DEGREE, FINE_RINGS)):
         read = local_fits(problem.vertices, problem.faces, wanted, through, degree, rings, pinned=False, layout=False).gaussian[at]
-        found &= (read * types_of(targets) < 0.0) & (np.abs(targets - read) > HALF * scale)
+        found &= _is_opposite(read, targets, least)
     return found
 
 
