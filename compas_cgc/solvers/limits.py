@@ -135,7 +135,9 @@ def raised(
     """
     targets = problem.targets[problem.asked]
     if not len(targets) or not np.isfinite(targets).all() or not targets.any():
-        raise ProblemError(["the largest target can be searched only from a target other than zero; set one (mesh.set_target(K))"])
+        raise ProblemError(
+            ["the largest target can be searched only from a target other than zero; set one (mesh.set_target(K), or --target K)"]
+        )
     count, work = len(problem.vertices), work or Work(math.inf)
     # Spikes of columns that were pulled out of a sheet hide its plan.
     drawn = as_meant(problem)

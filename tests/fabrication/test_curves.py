@@ -286,11 +286,12 @@ def sphere() -> CGCProblem:
         (lambda: curve_net(patch(8, -0.02), 0.0), "the spacing must be larger than 0"),
         (lambda: curve_net(CGCProblem(*revolved_patch(8, 0.02)), 1.0), "no single target K"),
         (lambda: curve_net(sphere(), 1.0), "it is a sphere"),
+        (lambda: curve_net(sphere(), 1.0, kind="asymptotic"), "no asymptotic curves: these need K < 0"),
         (lambda: curve_net(CGCProblem(*grid(6)).with_supports("boundary").with_targets(0.0), 0.1), "it is a plane"),
         (lambda: curve_net(patch(8, -0.02), through=[[0.0, 0.0]]), "with shape"),
         (lambda: curve_net(patch(8, -0.02), through=[[90.0, 0.0, 0.0]]), "the points lie on it"),
     ],
-    ids=["spacing", "target", "sphere", "plane", "points", "far away"],
+    ids=["spacing", "target", "sphere", "no saddle", "plane", "points", "far away"],
 )
 def test_what_cannot_be_traced_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(CGCError, match=sentence):

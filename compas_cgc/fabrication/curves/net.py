@@ -374,6 +374,9 @@ def _why(field: DirectionField, kind: int, size: float) -> str:
         return ": it is a plane, so any straight line can be used"
     if kind == CURVATURE and _is_round(field):
         return ": it is a sphere, so any curve can be used"
+    S = field.operators[np.unique(field.faces)]
+    if kind == ASYMPTOTIC and (np.trace(S, axis1=1, axis2=2) ** 2 > np.einsum("fij,fij->f", S, S)).all():
+        return ": these need K < 0"
     return "; check that it is solved and that the points lie on it"
 
 

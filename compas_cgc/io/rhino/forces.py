@@ -13,14 +13,14 @@ from ...fabrication.membrane_state import forces_at_vertices
 from .archive import write_archive
 from .colours import largest
 from .colours import signed_colours
+from .layers import FORCES
 from .meshes import coloured
 from .meshes import mesh_from_arrays
 from .write import LayerWriter
 from .write import new_archive
 
-__all__ = ["FORCES", "write_force_layers"]
+__all__ = ["write_force_layers"]
 
-FORCES = "CGC Membrane"
 RED, BLUE = (200, 30, 30), (30, 80, 200)  # tension, compression
 
 

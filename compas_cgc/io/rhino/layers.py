@@ -21,9 +21,25 @@ from .archive import Item
 from .user_text import dot_law
 from .user_text import user_law
 
-__all__ = ["RATIONALISED", "RESULT", "LayerNames", "Selection", "drawing_or_result", "layer_names", "select"]
+__all__ = [
+    "CURVES",
+    "FORCES",
+    "MOULDS",
+    "NURBS",
+    "PATTERNS",
+    "QUADS",
+    "RATIONALISED",
+    "RESULT",
+    "LayerNames",
+    "Selection",
+    "drawing_or_result",
+    "layer_names",
+    "select",
+]
 
-RESULT, RATIONALISED = "CGC Result", "CGC Rationalised"
+RESULT, RATIONALISED, NURBS = "CGC Result", "CGC Rationalised", "CGC::NURBS"
+CURVES, FORCES, MOULDS, PATTERNS, QUADS = "CGC Curves", "CGC Membrane", "CGC Moulds", "CGC Patterns", "CGC Quads"
+_WRITTEN = (RESULT, RATIONALISED, NURBS, CURVES, FORCES, MOULDS, PATTERNS, QUADS)
 _SURFACES = ("Brep", "Extrusion", "SubD", "Surface", "NurbsSurface", "RevSurface", "PlaneSurface", "SumSurface")
 _POINTS = ("point", "point cloud")
 
@@ -64,13 +80,11 @@ class LayerNames:
     goals: tuple[str, ...] = ("CGC::Goals",)
 
     def role(self, layer: str) -> Optional[str]:
-        """Return the role of a layer (full path): a field of this class, ``"result"`` or None."""
-        if _within(layer, RESULT) or _within(layer, RATIONALISED):
-            return "result"
+        """Return the role of a layer (full path): a field of this class, ``"result"`` for those that are written, or None."""
         for field in fields(self):
             if any(_within(layer, name) for name in getattr(self, field.name)):
                 return field.name
-        return None
+        return "result" if any(_within(layer, name) for name in _WRITTEN) else None
 
 
 @names_what_was_meant()

@@ -25,14 +25,14 @@ from ...meshing import boundary_loops
 from ...model.problem import PosesProblem
 from .archive import read_archive
 from .archive import write_archive
+from .layers import MOULDS
 from .meshes import mesh_from_arrays
 from .nurbs import nurbs_surface
 from .write import LayerWriter
 from .write import new_archive
 
-__all__ = ["MOULDS", "write_moulds"]
+__all__ = ["write_moulds"]
 
-MOULDS = "CGC Moulds"
 _COLOURS = ((232, 196, 143), (127, 166, 173), (207, 132, 101), (167, 181, 139), (141, 147, 181), (217, 165, 160))
 
 

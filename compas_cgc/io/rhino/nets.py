@@ -8,13 +8,13 @@ from typing import Union
 from ...fabrication.curves import CurveNet
 from ...fabrication.curves import plural
 from .archive import write_archive
+from .layers import CURVES
 from .meshes import mesh_from_arrays
 from .write import LayerWriter
 from .write import new_archive
 
-__all__ = ["CURVES", "write_net_layers"]
+__all__ = ["write_net_layers"]
 
-CURVES = "CGC Curves"
 COLOURS = ((180, 60, 40), (40, 90, 170))
 
 

@@ -7,12 +7,11 @@ from ...fabrication.shell.patches import region_patches
 from ...fabrication.shell.regions import region_surfaces
 from ...model.counts import counted
 from ...model.problem import CGCProblem
+from .layers import NURBS
 from .nurbs import nurbs_surface
 from .write import LayerWriter
 
-__all__ = ["NURBS", "draw_nurbs"]
-
-NURBS = "CGC::NURBS"
+__all__ = ["draw_nurbs"]
 
 
 def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]:

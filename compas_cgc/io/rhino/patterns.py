@@ -13,13 +13,12 @@ from ...fabrication.drawing import roomiest
 from ...fabrication.patterns import Patterns
 from ...fabrication.sheet_drawing import draw_sheets
 from .archive import write_archive
+from .layers import PATTERNS
 from .meshes import mesh_from_arrays
 from .write import LayerWriter
 from .write import new_archive
 
-__all__ = ["PATTERNS", "write_pattern_layers"]
-
-PATTERNS = "CGC Patterns"
+__all__ = ["write_pattern_layers"]
 
 
 def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, nodes: bool = True) -> None:

@@ -9,13 +9,12 @@ import numpy as np
 
 from ...fabrication.quads import PlaneQuads
 from .archive import write_archive
+from .layers import QUADS
 from .meshes import mesh_from_arrays
 from .write import LayerWriter
 from .write import new_archive
 
-__all__ = ["QUADS", "write_quad_layers"]
-
-QUADS = "CGC Quads"
+__all__ = ["write_quad_layers"]
 
 
 def write_quad_layers(path: Union[str, os.PathLike], quads: PlaneQuads) -> None:

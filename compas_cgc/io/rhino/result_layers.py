@@ -24,10 +24,10 @@ from .archive import write_archive
 from .colours import NO_VALUE
 from .colours import largest
 from .colours import signed_colours
+from .layers import NURBS
 from .layers import RESULT
 from .meshes import coloured
 from .meshes import mesh_from_arrays
-from .nurbs_layer import NURBS
 from .nurbs_layer import draw_nurbs
 from .units import unit_name
 from .write import LayerWriter

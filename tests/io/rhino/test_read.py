@@ -91,6 +91,35 @@ def test_hidden_things_are_left_out(sketch, tmp_path):
     assert np.ptp(model.problem.vertices[:, 0]) == N and not model.diagnostics and said(model, "2 hidden")
 
 
+WRITTEN = [
+    "CGC Result::Regions",
+    "CGC Rationalised::Seams",
+    "CGC::NURBS",
+    "CGC Curves",
+    "CGC Membrane",
+    "CGC Moulds",
+    "CGC Patterns",
+    "CGC Quads",
+]
+
+
+@pytest.mark.parametrize("layer", WRITTEN)
+def test_what_was_made_of_a_drawing_before_is_no_part_of_it(sketch, tmp_path, layer):
+    vertices, faces = plan()
+    sketch.mesh(*plan(3.0), f"{layer}::Surface")
+    sketch.points(vertices[row(N, 4)], f"{layer}::Nodes")
+    sketch.curve(vertices[row(N, 6)], layer)
+    sketch.dot("K = 0.5", vertices[50], layer)
+    sketch.mesh(vertices, faces, "Roof")
+    sketch.points(vertices[corners_of(N)], "Roof")
+    sketch.curve(vertices[row(N, 3)], "Roof")
+    model = read_3dm(sketch.save(tmp_path / "a.3dm"))
+    assert len(model.problem.vertices) == len(vertices) and model.problem.supports.tolist() == sorted(corners_of(N))
+    assert model.problem.crease_paths() == [row(N, 3)] and np.isnan(model.problem.targets).all()
+    own = read_3dm(tmp_path / "a.3dm", layers={"mesh": f"{layer}::Surface"})
+    assert np.ptp(own.problem.vertices[:, 0]) == 3.0
+
+
 # ----------------------------------------------------------------------
 # The convention
 # ----------------------------------------------------------------------
