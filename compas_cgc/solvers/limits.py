@@ -19,6 +19,7 @@ from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from ..model.verdict import Verdict
+from .branch_ends import ENDS
 from .coarse import coarsened
 from .constants import EVEN_VERTICES
 from .constants import LARGE_MESH
@@ -28,9 +29,11 @@ from .rising import GROWTH
 from .rising import Bracket
 from .rising import Rising
 
-__all__ = ["TOLERANCE", "Limit", "largest_target", "raised"]
+__all__ = ["SOLVES", "TOLERANCE", "Limit", "largest_target", "raised"]
 
 TOLERANCE = 0.01  # width of the interval around a limit, relative to the limit; two digits, so that every door states the same number
+# surfaces that are solved for at most; twelve for growth and halving, thrice as many where a branch loses its symmetry in small steps
+SOLVES = 40
 # smallest rejected factor over the largest accepted one, up to which no "or more" is added; a search that runs out of work is wider
 SURELY = 1.15
 
@@ -47,6 +50,7 @@ class Limit:
     verdict: Optional[Verdict]  # on the surface at the limit
     solves: int
     coarser: bool = False  # whether that is so on a coarser mesh of the same drawing, not on the mesh itself
+    end: str = ""  # what ends their branch: fold, bifurcation or rough; empty where that is not known
 
     @property
     def carries_what_is_asked(self) -> bool:
@@ -63,7 +67,7 @@ class Limit:
 
 @names_what_was_meant()
 def largest_target(
-    posed: PosesProblem, *, tolerance: float = TOLERANCE, solves: int = 40, vertices: int = MEDIUM_MESH, work: Optional[Work] = None
+    posed: PosesProblem, *, tolerance: float = TOLERANCE, solves: int = SOLVES, vertices: int = MEDIUM_MESH, work: Optional[Work] = None
 ) -> Limit:
     """Return how large the targets can be for a fair surface over the supports as they are.
 
@@ -168,11 +172,11 @@ def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = Fa
     targets = problem.targets[problem.asked]
     largest = float(targets[np.argmax(np.abs(targets))])
     several = bool(np.ptp(targets))
-    carried, beyond = bracket
+    carried, beyond, end = bracket
     if carried is None:
         least = largest * (beyond or 0.0)
         return Limit("none", 0.0, 0.0, least, _none(least), None, solves)
-    message = _found(largest, carried.factor, beyond, several, coarser)
+    message = _found(largest, bracket, several, coarser)
     status = "open" if beyond is None else "found"
     return Limit(
         status,
@@ -183,17 +187,21 @@ def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = Fa
         carried.judged,
         solves,
         coarser,
+        end,
     )
 
 
-def _found(largest: float, factor: float, beyond: Optional[float], several: bool, coarser: bool) -> str:
+def _found(largest: float, bracket: Bracket, several: bool, coarser: bool) -> str:
+    assert bracket.carried is not None
+    factor, beyond = bracket.carried.factor, bracket.beyond
     carried = largest * factor
     bound = "up to" if largest > 0 else "down to"
     what = f"{factor:.3g} times the targets, that is, |K̄| up to {abs(carried):.4g}" if several else f"K̄ {bound} {carried:.4g}"
     asked = "" if several else f", {factor:.3g} times the target" if factor >= 1.0 else f"; the target is {largest:.4g}"
     surely = beyond is not None and beyond <= SURELY * factor
     more = "" if surely else " or more"
-    least = f" (none was found for {beyond * (1.0 if several else largest):.4g})" if beyond is not None and beyond != 1.0 else ""
+    why = f", because {ENDS[bracket.end]}" if bracket.end else ""
+    least = f" (none was found for {beyond * (1.0 if several else largest):.4g}{why})" if beyond is not None and beyond != 1.0 else ""
     where = " on a coarser mesh" if coarser else ""
     text = f"over these supports, fair surfaces were found for {what}{more}{where}{least}{asked}"
     return Sentence(text, [scaled(factor)] if factor < 1.0 else [])

@@ -27,6 +27,7 @@ from ..model.stepped_edges import stepped_edges
 from ..model.straight_edges import twisted_edges
 from .constants import MEDIUM_MESH
 from .half_sphere import cap_of_the_rise
+from .limits import SOLVES
 from .limits import TOLERANCE
 from .limits import raised
 from .projection.symmetry import tears_faces
@@ -34,7 +35,6 @@ from .projection.system import relaxed
 
 __all__ = ["DRAWN_IN", "contradiction", "why_not_found", "why_rough"]
 
-FEW = 20  # solves of a search for a limit; ten by GROWTH from a gentle surface to HIGH, six halvings to 1 %, and four for retries
 DRAWN_IN = Sentence("with the method projection free edges may leave their drawn lines", [use_method("projection")])
 NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small fraction of K̄; reduce {}")
 
@@ -97,7 +97,7 @@ def _carried(problem: CGCProblem, nothing: Optional[str] = "", enough: str = "")
     if not targets.any():
         return "" if problem.goals else _far_from_developable(problem)
     try:
-        limit = raised(problem.without_dummies(), tolerance=TOLERANCE, solves=FEW, vertices=MEDIUM_MESH, most=1.0)
+        limit = raised(problem.without_dummies(), tolerance=TOLERANCE, solves=SOLVES, vertices=MEDIUM_MESH, most=1.0)
     except ProblemError:  # What the goals name is not on a coarser mesh.
         return ""
     if limit.status == "none":

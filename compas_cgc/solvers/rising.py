@@ -22,8 +22,14 @@ from ..model.checks import GENTLE_TOTAL_CURVATURE
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.result import Solution
+from ..model.tolerances import DRAWING_ACCURACY
 from ..model.verdict import Verdict
 from ..model.verdict import verdict
+from .branch_ends import BIFURCATION
+from .branch_ends import FOLD
+from .branch_ends import ROUGH
+from .branch_ends import folds_back
+from .branch_ends import rates
 from .projection.settings import ProjectionSettings
 
 __all__ = ["GROWTH", "Bracket", "Carried", "Rising"]
@@ -33,6 +39,8 @@ LEAST = 1 / 64  # smallest factor that is tried over the first one; a surface th
 GROWTH = 1.5
 # factor between targets that are tried from the surfaces of a coarser mesh; differences of 5 % are within the accuracy of the search
 FALL = 0.95
+# rate of change over that before, up to which a surface is on the same branch; beside a fold it grows by the root of 2 as steps are halved
+PACE = 2.0
 HIGH = 8 * np.pi  # total curvature that is never the limit [rad]; two whole spheres
 
 
@@ -49,6 +57,7 @@ class Bracket(NamedTuple):
 
     carried: Optional[Carried]
     beyond: Optional[float]
+    end: str = ""  # what ends the branch between them, a key of ``ENDS``; empty where that is not known
 
 
 class Rising:
@@ -72,6 +81,7 @@ class Rising:
         self.problem, self._tolerance, self._work, self._most = problem, tolerance, work, most
         self._solves, self.count = solves, 0
         self.trail: list[Carried] = []
+        self._last: Optional[Solution] = None
         self._solve = _solver(problem)
         targets, areas = problem.targets[problem.asked], face_areas(problem.vertices, problem.faces)
         types = problem.types[problem.asked]
@@ -89,31 +99,44 @@ class Rising:
     def _is_spent(self) -> bool:
         return self._work.spent or is_spent()
 
-    def tried(self, factor: float, vertices: Optional[FloatArray]) -> Optional[Carried]:
+    def tried(self, factor: float, vertices: Optional[FloatArray] = None) -> Optional[Carried]:
         """Return the fair surface for a factor, from a shape (n, 3) if there is one; None without any."""
-        self.count += 1
-        carried = self._led(factor, vertices)
-        if carried is not None:
-            self.trail.append(carried)
+        self._last, carried = self._solved(factor, vertices)
         return carried
 
-    def _led(self, factor: float, vertices: Optional[FloatArray]) -> Optional[Carried]:
+    def _solved(self, factor: float, vertices: Optional[FloatArray]) -> tuple[Solution, Optional[Carried]]:
+        self.count += 1
         with self._work.counted():
             solution = self._solve(factor, vertices)
         if solution.status != "converged":
-            return None
+            return solution, None
         shape = replace(self.problem, targets=factor * self.problem.targets, vertices=solution.vertices)
         judged = verdict(shape, self.problem.vertices)
-        return Carried(factor, solution.vertices, judged) if judged.fair else None
+        return solution, Carried(factor, solution.vertices, judged) if judged.fair else None
+
+    def _is_on_branch(self, factor: float, vertices: FloatArray) -> bool:
+        """Return whether a surface (n, 3) for a factor continues the branch of the last ones, and did not snap to another."""
+        branch = self.trail[-2:]
+        pace = rates([*(one.factor for one in branch), factor], [*(one.vertices for one in branch), vertices])
+        return len(pace) < 2 or bool(pace[1] <= PACE * pace[0])
+
+    def _leads_back(self, found: Carried, before: Carried) -> bool:
+        """Return whether a surface leads back to the one before: where symmetry is lost gently it does, after a snap it does not."""
+        size = float(np.ptp(before.vertices, axis=0).max())
+        back = self._solved(before.factor, found.vertices)[1]
+        return back is not None and float(np.abs(back.vertices - before.vertices).max()) <= DRAWING_ACCURACY * size
 
     def begun(self) -> Bracket:
         """Return a gentle surface, or the smallest factor that was not carried."""
         factor = first = GENTLE_TOTAL_CURVATURE / self._total
-        carried = self.tried(factor, None)
+        carried = self.tried(factor)
         while carried is None and factor > LEAST * first and not self.over:
             factor /= 4.0
-            carried = self.tried(factor, None)
-        return Bracket(carried, factor if carried is None else None)
+            carried = self.tried(factor)
+        if carried is None:
+            return Bracket(None, factor)
+        self.trail = [carried]
+        return Bracket(carried, None)
 
     def near(self, shapes: Iterable[tuple[float, FloatArray]]) -> Bracket:
         """Return the surface for the first factor that is carried, from shapes (n, 3) for factors that fall."""
@@ -123,25 +146,51 @@ class Rising:
                 continue
             carried = self.tried(factor, vertices)
             if carried is not None:
+                self.trail = [carried]
                 return Bracket(carried, beyond)
             beyond = factor
         return Bracket(None, beyond)
 
     def narrowed(self, bracket: Bracket, growth: float = GROWTH) -> Bracket:
-        """Return the bracket that rising targets, and then halving, come to."""
-        carried, beyond = bracket
+        """Return the bracket that rising targets, and then halving, come to.
+
+        Where a surface snapped to another, a shorter step tells whether the branch goes on. A factor that was not carried from far is
+        tried again from the last surface that is.
+        """
+        carried, beyond = bracket.carried, bracket.beyond
+        shortest = 1.0 + self._tolerance
+        leads_on = True  # whether nothing that was not carried was tried from the last surface
         while carried is not None and not self.over and carried.factor < self._most:
-            if beyond is not None and beyond - carried.factor <= self._tolerance * carried.factor:
-                break
+            room = math.inf if beyond is None else beyond / carried.factor
+            if room <= shortest and not leads_on:
+                return Bracket(carried, beyond, self._end())
             if beyond is None and carried.factor * self._total > HIGH:
                 break
-            factor = growth * carried.factor if beyond is None else 0.5 * (carried.factor + beyond)
-            found = self.tried(factor, carried.vertices)
+            step = min(growth, room if room <= shortest else math.sqrt(room))
+            found = self.tried(step * carried.factor, carried.vertices)
             if found is None and self._is_spent:
                 break  # It was cut short, which tells nothing of the supports.
-            carried, beyond = (found, beyond) if found is not None else (carried, factor)
-            growth = min(GROWTH, growth**2)
+            short = step <= shortest
+            if found is not None and (self._is_on_branch(found.factor, found.vertices) or (short and self._leads_back(found, carried))):
+                beyond = None if step == room else beyond
+                carried, leads_on, growth = found, True, min(GROWTH, step**2)
+                self.trail.append(found)
+            elif found is not None and not short:
+                growth = max(shortest, math.sqrt(step))
+            else:
+                beyond, leads_on = step * carried.factor, False
         return Bracket(carried, beyond)
+
+    def _end(self) -> str:
+        """Return what ends the branch after the last surface that is carried."""
+        last, branch = self._last, self.trail
+        assert last is not None
+        arrived, beyond = last.status == "converged", branch[-1].factor * (1.0 + self._tolerance)
+        if arrived and self._is_on_branch(beyond, last.vertices):
+            return ROUGH
+        if folds_back([one.factor for one in branch], [one.vertices for one in branch], beyond):
+            return FOLD
+        return BIFURCATION if arrived else ""
 
 
 def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solution]:

@@ -24,7 +24,11 @@ from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.verdict import verdict
 from compas_cgc.solvers.allowance import Allowance
+from compas_cgc.solvers.branch_ends import ENDS
+from compas_cgc.solvers.branch_ends import folds_back
+from compas_cgc.solvers.branch_ends import rates
 from compas_cgc.solvers.limits import largest_target
+from compas_cgc.solvers.polish.polisher import polish
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.run import solve
 
@@ -145,6 +149,40 @@ def test_the_limit_is_the_same_number_whatever_is_asked():
     assert len(stated) == 1 and float(stated.pop()) == pytest.approx(largest[0], rel=1e-3)
 
 
+def arch(factor: float, fold: bool) -> np.ndarray:
+    """Points on a branch that ends at the factor 1, at a fold or at its full pace."""
+    height = 2.0 - np.sqrt(1.0 - factor) if fold else factor
+    return np.array([[0.0, 0.0, 0.0], [1.0, 0.0, height]])
+
+
+@pytest.mark.parametrize("fold", [True, False])
+def test_beside_a_fold_a_branch_moves_by_the_root_of_what_is_left(fold):
+    factors = [1.0 - 0.5**k for k in range(1, 8)]
+    assert folds_back(factors, [arch(own, fold) for own in factors], 1.0) == fold
+    pace = rates(factors, [arch(own, fold) for own in factors])
+    growth = pace[1:] / pace[:-1]
+    assert growth[-1] == pytest.approx(math.sqrt(2.0) if fold else 1.0, rel=0.02)
+
+
+def test_below_a_dome_within_a_rim_the_branch_folds_back():
+    vertices, faces = shapes.grid(14)
+    limit = largest_target(CGCProblem(vertices, faces, targets=1.0).with_supports("boundary"))
+    assert limit.end == "fold" and "folds back" in limit.message
+
+
+@pytest.mark.parametrize("n", [14, pytest.param(20, marks=pytest.mark.nightly)])
+def test_a_dome_on_corners_grows_in_small_steps_up_to_the_limit_and_snaps_beyond(n):
+    limit = largest_target(roof(1.0, n))
+    assert limit.end in ENDS and ENDS[limit.end] in limit.message
+    here = polish(roof(0.6 * limit.target, n))
+    for part in np.linspace(0.6, 1.0, 13)[1:]:
+        before, here = here, polish(roof(part * limit.target, n), start=here.vertices)
+        assert here.is_fair and np.abs(here.vertices - before.vertices).max() < 0.1
+        assert np.abs(here.vertices[:, 2] - here.vertices[::-1, 2]).max() < 1e-5, "as symmetric as the drawing"
+    there = polish(roof(1.01 * limit.beyond, n), start=here.vertices)
+    assert not there.is_fair or np.abs(there.vertices - here.vertices).max() > 0.2
+
+
 def test_the_command_says_it(tmp_path, capsys):
     problem = roof(1.0, 6)
     mesh = tmp_path / "roof.obj"
@@ -188,7 +226,7 @@ def test_a_small_mesh_may_take_the_work_of_four_hundred_vertices_and_a_larger_on
 
 
 def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
-    work = Work(2e6)
+    work = Work(1e6)
     short, long = largest_target(roof(1.0), work=work), largest_target(roof(1.0))
     assert work.spent and short.solves < long.solves and 0.0 < short.target <= long.target
 
