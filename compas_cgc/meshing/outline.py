@@ -17,6 +17,8 @@ from ..discrete.arrays import Mask
 from ..errors import MeshError
 from ..errors import Remedy
 from ..errors import Sentence
+from .creases import path_edges
+from .halving import with_inner_vertices
 from .polyline import arc_lengths
 from .polyline import nearest_on_polyline
 
@@ -41,7 +43,7 @@ class Outlined(NamedTuple):
 
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 3), normals up
-    creases: list[list[int]]  # vertex paths along the creases
+    creases: list[list[int]]  # vertex paths along the creases; every part between them has vertices of its own
 
 
 def mesh_from_outline(
@@ -136,7 +138,9 @@ def mesh_from_outline(
         heights[~known] = heights[on][0]
     vertices = np.column_stack([plan, heights])
     place = cKDTree(plan)
-    return Outlined(vertices, faces, [place.query(line)[1].tolist() for line in inner])
+    paths = [place.query(line)[1].tolist() for line in inner]
+    sides = np.array(path_edges(paths), dtype=np.int64).reshape(-1, 2)
+    return Outlined(*with_inner_vertices(vertices, faces, sides), paths)
 
 
 def own_plane(outline: FloatArray) -> Optional[FloatArray]:

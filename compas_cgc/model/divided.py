@@ -7,15 +7,14 @@ import numpy as np
 from ..discrete import edge_faces
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..meshing.halving import halved_faces
+from ..meshing.halving import middles
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
 
 __all__ = ["along_inner_lines", "line_edges", "with_short_lines"]
-
-# The children of a face (a, b, c) whose edges ab, bc, ca have the middles 3, 4, 5, for the first one, two or three of these.
-CHILDREN = {1: ((0, 3, 2), (3, 1, 2)), 2: ((3, 1, 4), (0, 3, 4), (0, 4, 2)), 3: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))}
 
 
 def line_edges(problem: CGCProblem) -> IntArray:
@@ -63,28 +62,8 @@ def with_short_lines(problem: CGCProblem, longest: float) -> CGCProblem:
 
 def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     """Return a problem with vertices at the middles of edges (e, 2), each from its smaller vertex to its larger one."""
-    V, F, n = problem.vertices, problem.faces, len(problem.vertices)
-    codes = edges @ [n, 1]
-    order = np.argsort(codes)
-
-    def middles(pairs: IntArray) -> IntArray:
-        """Return the vertices at the middles of edges (e, 2), -1 for edges that are not halved."""
-        wanted = np.sort(pairs, axis=1) @ [n, 1]
-        at = order[np.minimum(np.searchsorted(codes, wanted, sorter=order), len(order) - 1)]
-        return np.where(codes[at] == wanted, n + at, -1)
-
-    divided = np.column_stack([middles(F[:, [k, (k + 1) % 3]]) for k in range(3)])
-    count = (divided >= 0).sum(axis=1)
-    # Faces are rotated so that their divided edges come first.
-    turn = np.where(count == 2, np.argmin(divided, axis=1) + 1, np.where(count == 1, np.argmax(divided, axis=1), 0)) % 3
-    by = (np.arange(3) + turn[:, None]) % 3
-    corners = np.hstack([np.take_along_axis(F, by, axis=1), np.take_along_axis(divided, by, axis=1)])
-    faces, more = F.copy(), []
-    for number, children in CHILDREN.items():
-        of = count == number
-        faces[of] = corners[of][:, children[0]]
-        more += [corners[of][:, child] for child in children[1:]]
-    between = middles(problem.creases)
+    V, n = problem.vertices, len(problem.vertices)
+    between = middles(problem.creases, edges, n)
     halved = between >= 0
     at, (start, end) = between[halved], problem.creases[halved].T
     creases = np.vstack([problem.creases[~halved], np.column_stack([start, at]), np.column_stack([at, end])])
@@ -97,7 +76,7 @@ def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     targets = np.where(counted, problem.targets[edges], 0.0).sum(axis=1) / counted.sum(axis=1)
     return CGCProblem(
         np.vstack([V, V[edges].mean(axis=1)]),
-        np.vstack([faces, *more]),
+        halved_faces(problem.faces, edges, n),
         np.concatenate([problem.roles, roles]),
         np.concatenate([problem.targets, targets]),
         creases=creases,
