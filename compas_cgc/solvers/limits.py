@@ -159,7 +159,7 @@ def raised(
     bracket = elsewhere.narrowed(elsewhere.begun())
     if bracket.carried is None or count > LARGE_MESH:
         return _told(problem, bracket, elsewhere.count, coarser=True)
-    rising = Rising(problem, tolerance, solves, work, most)
+    rising = Rising(problem, tolerance, solves, work, most, elsewhere.ways)
     falling = sorted(elsewhere.trail, key=lambda one: -one.factor)
     here = rising.near((one.factor, coarse.carried(one.vertices)) for one in falling)
     if here.carried is None:

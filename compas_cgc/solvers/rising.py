@@ -25,11 +25,18 @@ from ..model.result import Solution
 from ..model.tolerances import DRAWING_ACCURACY
 from ..model.verdict import Verdict
 from ..model.verdict import verdict
+from .between_lines import between_lines
 from .branch_ends import BIFURCATION
 from .branch_ends import FOLD
 from .branch_ends import ROUGH
 from .branch_ends import folds_back
 from .branch_ends import rates
+from .choices import choose
+from .newton.normal_newton import newton
+from .polish.polisher import polish
+from .polish.posed import takes_goals
+from .polish.settings import PolishSettings
+from .projection.projector import Projector
 from .projection.settings import ProjectionSettings
 
 __all__ = ["GROWTH", "Bracket", "Carried", "Rising"]
@@ -42,6 +49,10 @@ FALL = 0.95
 # rate of change over that before, up to which a surface is on the same branch; beside a fold it grows by the root of 2 as steps are halved
 PACE = 2.0
 HIGH = 8 * np.pi  # total curvature that is never the limit [rad]; two whole spheres
+
+
+_Solve = Callable[[float, Optional[FloatArray]], Optional[Solution]]  # of a factor on the targets, from a shape (n, 3) if there is one
+_Way = Callable[[CGCProblem], _Solve]
 
 
 class Carried(NamedTuple):
@@ -75,14 +86,19 @@ class Rising:
         That they may take.
     most
         Factor that is enough.
+    ways
+        Ways to try; default: those of :func:`solve`. The first that leads to a fair surface is the only one from then on.
     """
 
-    def __init__(self, problem: CGCProblem, tolerance: float, solves: int, work: Work, most: float = math.inf):
+    def __init__(
+        self, problem: CGCProblem, tolerance: float, solves: int, work: Work, most: float = math.inf, ways: Optional[list[_Way]] = None
+    ):
         self.problem, self._tolerance, self._work, self._most = problem, tolerance, work, most
         self._solves, self.count = solves, 0
         self.trail: list[Carried] = []
         self._last: Optional[Solution] = None
-        self._solve = _solver(problem)
+        self.ways = ways or _ways(problem)
+        self._solve = {way: way(problem) for way in self.ways}
         targets, areas = problem.targets[problem.asked], face_areas(problem.vertices, problem.faces)
         types = problem.types[problem.asked]
         mixed = bool(types.min() < 0 < types.max())
@@ -101,21 +117,30 @@ class Rising:
 
     def tried(self, factor: float, vertices: Optional[FloatArray] = None) -> Optional[Carried]:
         """Return the fair surface for a factor, from a shape (n, 3) if there is one; None without any."""
-        self._last, carried = self._solved(factor, vertices)
-        return carried
+        for way in self.ways:
+            self._last, carried = self._solved(way, factor, vertices)
+            if carried is not None:
+                self.ways = [way]
+                return carried
+        return None
 
-    def _solved(self, factor: float, vertices: Optional[FloatArray]) -> tuple[Solution, Optional[Carried]]:
+    def _solved(self, way: _Way, factor: float, vertices: Optional[FloatArray]) -> tuple[Optional[Solution], Optional[Carried]]:
         self.count += 1
         with self._work.counted():
-            solution = self._solve(factor, vertices)
-        if solution.status != "converged":
+            solution = self._solve[way](factor, vertices)
+        if solution is None or solution.status != "converged":
             return solution, None
         shape = replace(self.problem, targets=factor * self.problem.targets, vertices=solution.vertices)
         judged = verdict(shape, self.problem.vertices)
         return solution, Carried(factor, solution.vertices, judged) if judged.fair else None
 
     def _is_on_branch(self, factor: float, vertices: FloatArray) -> bool:
-        """Return whether a surface (n, 3) for a factor continues the branch of the last ones, and did not snap to another."""
+        """Return whether a surface (n, 3) for a factor continues the branch of the last ones, and did not snap to another.
+
+        Each surface between lines is that of a solve, whatever the last one was.
+        """
+        if self.ways == [_between_lines]:
+            return True
         branch = self.trail[-2:]
         pace = rates([*(one.factor for one in branch), factor], [*(one.vertices for one in branch), vertices])
         return len(pace) < 2 or bool(pace[1] <= PACE * pace[0])
@@ -123,7 +148,7 @@ class Rising:
     def _leads_back(self, found: Carried, before: Carried) -> bool:
         """Return whether a surface leads back to the one before: where symmetry is lost gently it does, after a snap it does not."""
         size = float(np.ptp(before.vertices, axis=0).max())
-        back = self._solved(before.factor, found.vertices)[1]
+        back = self._solved(self.ways[0], before.factor, found.vertices)[1]
         return back is not None and float(np.abs(back.vertices - before.vertices).max()) <= DRAWING_ACCURACY * size
 
     def begun(self) -> Bracket:
@@ -184,7 +209,8 @@ class Rising:
     def _end(self) -> str:
         """Return what ends the branch after the last surface that is carried."""
         last, branch = self._last, self.trail
-        assert last is not None
+        if last is None:
+            return ""
         arrived, beyond = last.status == "converged", branch[-1].factor * (1.0 + self._tolerance)
         if arrived and self._is_on_branch(beyond, last.vertices):
             return ROUGH
@@ -193,34 +219,34 @@ class Rising:
         return BIFURCATION if arrived else ""
 
 
-def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solution]:
-    """Return what solves for a factor on the targets, from a shape (n, 3) if there is one."""
+def _ways(problem: CGCProblem) -> list[_Way]:
+    """Return the ways to surfaces of rising targets, in the order in which :func:`solve` tries them."""
     if is_held_all_round(problem) and not problem.goals:
-        from .newton.normal_newton import newton
+        return [_by_newton]
+    lines = [_between_lines] if choose(problem)[0].then else []
+    return [*lines, _by_bending if takes_goals(problem) else _by_projection]
 
-        def by_newton(factor: float, vertices: Optional[FloatArray]) -> Solution:
-            own = replace(problem, targets=factor * problem.targets, vertices=problem.vertices if vertices is None else vertices)
-            return newton(own)._replace(method="newton")
 
-        return by_newton
-    from .polish.posed import takes_goals
+def _between_lines(problem: CGCProblem) -> _Solve:
+    choice = choose(problem)[0]
+    # Lines do not depend on the surface before: a solve finds the same.
+    return lambda factor, _: between_lines(replace(problem, targets=factor * problem.targets), choice, None, None)
 
-    if takes_goals(problem):
-        from .polish.polisher import polish
-        from .polish.settings import PolishSettings
 
-        def by_bending(factor: float, vertices: Optional[FloatArray]) -> Solution:
-            own = replace(problem, targets=factor * problem.targets)
-            return polish(own, settings=PolishSettings(evenness=0.0), start=vertices)._replace(method="bending")
+def _by_newton(problem: CGCProblem) -> _Solve:
+    def solved(factor: float, vertices: Optional[FloatArray]) -> Solution:
+        return newton(replace(problem, targets=factor * problem.targets, vertices=problem.vertices if vertices is None else vertices))
 
-        return by_bending
-    from .projection.projector import Projector
+    return solved
 
+
+def _by_bending(problem: CGCProblem) -> _Solve:
+    settings = PolishSettings(evenness=0.0)
+    return lambda factor, vertices: polish(replace(problem, targets=factor * problem.targets), settings=settings, start=vertices)
+
+
+def _by_projection(problem: CGCProblem) -> _Solve:
     cold = Projector(problem)
     # Where the last surface does not lead on, no other start is asked: the limit is that of this branch.
     warm = Projector(problem, settings=ProjectionSettings(retry=False))
-
-    def by_projection(factor: float, vertices: Optional[FloatArray]) -> Solution:
-        return (cold if vertices is None else warm).solve(factor * problem.targets, vertices)._replace(method="projection")
-
-    return by_projection
+    return lambda factor, vertices: (cold if vertices is None else warm).solve(factor * problem.targets, vertices)

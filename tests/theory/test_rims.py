@@ -79,7 +79,10 @@ def test_on_triangles_graded_towards_a_straight_rim_the_height_is_of_order_1_5()
 def test_an_L_with_a_crease_from_its_inward_corner_is_solved_as_far():
     problem = folded_L(8)
     most = largest_target(problem, tolerance=0.01).factor
-    result = solve(problem.with_targets(NEARLY * most))
-    assert most > 0.1 and result.converged and result.verdict.fair, str(result.verdict)
-    whole = solve(problem.with_creases([]).with_targets(NEARLY * most))
+    # The Gauss map of a graph over either half of the L, whose area is 1.5, covers less than the projected half sphere.
+    assert 0.1 < most < np.pi / 1.5
+    for part in (0.5, 0.8, NEARLY):
+        result = solve(problem.with_targets(part * most))
+        assert result.converged and result.verdict.fair, str(result.verdict)
+    whole = solve(problem.with_creases([]))
     assert not whole.verdict.fair and "the supported boundary has a reentrant corner of 90 degrees" in whole.message
