@@ -17,10 +17,12 @@ from .sentence import HALF as HALF
 from .sentence import HALVED as HALVED
 from .sentence import Remedy as Remedy
 from .sentence import Sentence as Sentence
+from .sentence import allow_more_steps as allow_more_steps
 from .sentence import joined as joined
 from .sentence import more_steps as more_steps
 from .sentence import scaled as scaled
 from .sentence import sentence_of as sentence_of
 from .sentence import use_method as use_method
+from .sentence import without_more_steps as without_more_steps
 
 __all__ = ["ArgumentError", "CGCError", "FileError", "MeshError", "ProblemError"]

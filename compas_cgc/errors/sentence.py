@@ -13,15 +13,18 @@ __all__ = [
     "HALF",
     "Remedy",
     "Sentence",
+    "allow_more_steps",
     "joined",
     "more_steps",
     "scaled",
     "sentence_of",
     "use_method",
+    "without_more_steps",
 ]
 
 MORE_STEPS = 5  # factor of the number of steps
 MARGIN = 0.95  # of the largest feasible K, which is found within 5 %
+ALLOW = "; allow more steps"
 HALF = 0.5  # factor of K where no feasible K is known; a search finds the largest one
 
 
@@ -87,6 +90,17 @@ def joined(parts: Iterable[str], between: str = "; ") -> Sentence:
     """Return sentences in a row, with the remedies of all."""
     parts = list(parts)
     return Sentence(between.join(parts), [own for part in parts for own in getattr(part, "remedies", ())])
+
+
+def allow_more_steps(said: str, steps: int) -> Sentence:
+    """Return a sentence on a limit of steps that was reached, with its remedy."""
+    return Sentence(said + ALLOW, [more_steps(steps)])
+
+
+def without_more_steps(said: str) -> Sentence:
+    """Return a sentence without the remedy of :func:`allow_more_steps`, for a problem that no number of steps solves."""
+    kept = [own for own in getattr(said, "remedies", ()) if own.field != more_steps(0).field]
+    return Sentence(str(said).replace(ALLOW, ""), kept)
 
 
 def sentence_of(error: BaseException) -> Sentence:

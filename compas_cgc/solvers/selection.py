@@ -11,6 +11,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.space_form import EXACT
 from ..errors import joined
+from ..errors import without_more_steps
 from ..model.goals.wholes import Unknown
 from ..model.measures import has_free_edges
 from ..model.measures import is_held_all_round
@@ -162,6 +163,8 @@ def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice
     before = list(dict.fromkeys(stopped))
     if any(said.status == "converged" for said, other in tried if other is not choice):
         before.append("an earlier result was rough")
+    if why and solution.status == "step_limit":
+        solution = solution._replace(message=without_more_steps(solution.message))
     # What keeps a surface from being fair matters more than how well K is met on it, or how many steps were taken.
     said = (why, solution.message) if solution.status in ("converged", "step_limit") else (solution.message, why)
     method = f"by the method {choice.method}, as {choice.reason}" + (f" ({', '.join(before)})" if before else "")

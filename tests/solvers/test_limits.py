@@ -137,6 +137,7 @@ def test_a_solve_says_how_much_could_be_had_where_its_steps_do_not_suffice_unles
     mesh.set_target(-0.3)
     result = solve(mesh)
     assert result.status == "step_limit" and result.message.startswith("over these supports, fair surfaces were found for K̄ down to -0.03")
+    assert "more steps" not in result.message and all(own.field != "settings" for own in result.ending.remedies)
     assert solve(mesh, settings={"steps": 3}).message.startswith("not converged in 3 steps")
 
 

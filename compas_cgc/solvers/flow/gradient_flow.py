@@ -14,7 +14,7 @@ from ...discrete.evaluation import Measure
 from ...discrete.evaluation import Measurement
 from ...errors import HALVED
 from ...errors import Sentence
-from ...errors import more_steps
+from ...errors import allow_more_steps
 from ...errors import names_what_was_meant
 from ...errors import use_method
 from ...linalg.work import count
@@ -201,8 +201,8 @@ def _message(status: str, step: int, error: float, goal: float, problem: CGCProb
     if status == "step_limit":
         if goal == 0:
             return f"stopped after the prescribed {step} steps: {reached}"
-        text = f"not converged in {step} steps: {reached}, but the tolerance is {goal:.3g}; allow more steps, or raise filter_radius"
-        return Sentence(text, [more_steps(step)])
+        text = f"not converged in {step} steps: {reached}, but the tolerance is {goal:.3g}; raise filter_radius"
+        return allow_more_steps(text, step)
     if radius == 0:
         return f"diverged at step {step} without a filter: short waves grow; set filter_radius to a few edge lengths"
     remedies, sphere = [HALVED], rounder_than_half_a_sphere(problem)

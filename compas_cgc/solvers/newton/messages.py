@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ...errors import HALVED
 from ...errors import Sentence
-from ...errors import more_steps
+from ...errors import allow_more_steps
 from ...errors import use_method
 from ...meshing.existence import Overload
 from ...meshing.existence import too_much
@@ -60,7 +60,7 @@ def message(
     if status == "cancelled":
         return f"cancelled after {taken}: {reached}"
     if status == "step_limit":
-        return Sentence(f"not converged in {taken}: {reached}; allow more steps", [more_steps(steps)])
+        return allow_more_steps(f"not converged in {taken}: {reached}", steps)
     if isinstance(cause, Overload):
         return too_much(cause.curvature / frame.scale**2, cause.most / frame.scale**2)
     why = cause if status == "infeasible" else _advice(cause, system)

@@ -21,8 +21,8 @@ from ...discrete.arrays import FloatArray
 from ...errors import HALVED
 from ...errors import ProblemError
 from ...errors import Sentence
+from ...errors import allow_more_steps
 from ...errors import joined
-from ...errors import more_steps
 from ...errors import names_what_was_meant
 from ...errors import use_method
 from ...linalg.work import is_spent
@@ -455,6 +455,6 @@ def _message(status: str, steps: int, errors: list[tuple[Law, float]], branches:
     if status == "cancelled":
         return f"cancelled after {steps} steps: {reached}"
     if status == "step_limit":
-        return Sentence(f"not converged in {steps} steps: {reached}; allow more steps", [more_steps(steps)])
+        return allow_more_steps(f"not converged in {steps} steps: {reached}", steps)
     text = "no surface with this curvature was found over these supports; choose a smaller curvature, or free an edge"
     return Sentence(f"stalled: {text}; {reached}", [HALVED])
