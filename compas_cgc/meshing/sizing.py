@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import shapely
 from scipy.spatial import cKDTree
-from scipy.spatial.distance import cdist
 
+from .._compiled import kernel
 from ..discrete.arrays import FloatArray
 from ..discrete.plan import flattened
 from .polyline import arc_lengths
@@ -20,7 +20,6 @@ MAX_TURN = 0.5  # largest turn of a curve along an edge [rad]
 MIN_EDGES = 12  # least number of edges of a smooth closed curve
 KINK_ANGLE = np.radians(30.0)
 EDGE_OVER_HEIGHT = 1.4  # edge length over the distance between a point and a curve, for triangles of that height
-CHUNK = 64  # sources per block
 MIN_SIZE = 0.12  # least size relative to the edge length
 MIN_GAP_SIZE = 0.02  # least size in a gap between curves, relative to the edge length
 NODE_DISTANCE = 0.1  # distance of a node on a curve, relative to the edge length
@@ -48,7 +47,8 @@ class SizeField:
 
     def __init__(self, edge_length: float, sources: FloatArray, sizes: FloatArray, grade: float):
         self.edge_length, self._grade = edge_length, grade
-        self._small = np.unique(np.column_stack([sources, sizes])[sizes < 0.95 * edge_length], axis=0)
+        small = np.unique(np.column_stack([sources, sizes])[sizes < 0.95 * edge_length], axis=0)
+        self._small = small[np.argsort(small[:, 2], kind="stable")]
         # Sources dominated by smaller ones are redundant.
         self._small = self._small[self._small[:, 2] <= self(self._small[:, :2])]
 
@@ -64,10 +64,25 @@ class SizeField:
 
     def __call__(self, points: FloatArray) -> FloatArray:
         """Return the edge lengths (n,) at points (n, 2) [L]."""
-        found = np.full(len(points), self.edge_length)
-        for few in np.array_split(self._small, len(self._small) // CHUNK + 1):
-            found = np.minimum(found, (few[:, 2] + self._grade * cdist(points, few[:, :2])).min(axis=1, initial=self.edge_length))
-        return found
+        return _smallest(np.ascontiguousarray(points), self._small, self._grade, self.edge_length)
+
+
+@kernel()
+def _smallest(points: FloatArray, sources: FloatArray, grade: float, most: float) -> FloatArray:
+    """Return the smallest edge lengths (n,) at points (n, 2), of sources (k, 3) of place and size in ascending order of size."""
+    found, reach = np.empty(len(points)), (1.0 + 1e-12) / grade**2
+    for i in range(len(points)):
+        x, y, best = points[i, 0], points[i, 1], most
+        for k in range(len(sources)):
+            less = best - sources[k, 2]
+            if less <= 0.0:
+                break
+            dx, dy = x - sources[k, 0], y - sources[k, 1]
+            square = dx * dx + dy * dy
+            if square < reach * less * less:  # Roots are taken of the few that matter.
+                best = min(best, sources[k, 2] + grade * np.sqrt(square))
+        found[i] = best
+    return found
 
 
 def size_field(
