@@ -32,7 +32,9 @@ from ..meshing import named_supports
 from ..meshing import path_edges
 from .constraint_data import as_goals
 from .constraints import Constraint
+from .constraints import Fixed
 from .constraints import check_indices
+from .constraints import indices
 from .frame import Frame
 from .frame import local_frame
 from .given import checked_number
@@ -453,8 +455,12 @@ class CGCProblem:
 
     @property
     def movable(self) -> NDArray[np.bool_]:
-        """Mask of the vertices that may move (n,)."""
-        return (self.roles == INTERNAL) | (self.roles == CREASE) | (self.roles == FREE)
+        """Mask of the vertices that may move (n,); those of goals :class:`Fixed` may not."""
+        result = np.isin(self.roles, (INTERNAL, CREASE, FREE))
+        for goal in self.goals:
+            if isinstance(goal, Fixed):
+                result[indices(goal.vertices, len(result))] = False
+        return result
 
     @property
     def supports(self) -> IntArray:

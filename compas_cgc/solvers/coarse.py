@@ -30,7 +30,6 @@ from ..model.goals.wholes import Whole
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import DUMMY
-from ..model.roles import FIXED
 from ..model.roles import INTERNAL
 
 __all__ = ["Coarse", "coarsened", "laid_out_anew", "plan_of"]
@@ -151,7 +150,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
         return None
     plan, up = seen
     plan = plan @ _evened(plan, F) if stretched else plan
-    fixed = _fixed(problem)
+    fixed = ~problem.movable
     edges = edge_faces(F)
     lines = edges[along_inner_lines(problem, fixed, edges), :2]
     corners = plan[F]
@@ -255,14 +254,6 @@ def _evened(plan: FloatArray, F: IntArray) -> FloatArray:
     edges = (np.roll(plan[F], -1, axis=1) - plan[F]).reshape(-1, 2)
     values, vectors = np.linalg.eigh(edges.T @ edges / np.einsum("ij,ij->", edges, edges))
     return (vectors * np.sqrt(0.5 / np.maximum(values, LEAST))) @ vectors.T
-
-
-def _fixed(problem: CGCProblem) -> Mask:
-    fixed = problem.roles == FIXED
-    for own in problem.goals:
-        if isinstance(own, Fixed):
-            fixed[np.asarray(own.vertices, dtype=np.int64)] = True
-    return fixed
 
 
 def _creased(problem: CGCProblem) -> Mask:

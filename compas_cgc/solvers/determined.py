@@ -128,8 +128,8 @@ def with_numbers(problem: CGCProblem, numbers: FloatArray) -> CGCProblem:
 
 def _away(problem: CGCProblem, vertices: FloatArray, size: float) -> float:
     """Return how far a surface (n, 3) is from meeting goals, against their numbers or the size of the mesh."""
-    goals = bind(problem)
-    away = [0.0]
+    goals, held = bind(problem), problem.vertices[~problem.movable]
+    away = [0.0, float(np.linalg.norm(vertices[~problem.movable] - held, axis=1).max(initial=0.0)) / size]
     away += [abs(own.value(vertices) - own.wanted) / max(abs(own.wanted), abs(own.value(vertices))) for own in goals.equations]
     away += [-float(side.goal.slack(vertices[side.candidates(problem.vertices)])[0].min(initial=0.0)) / size for side in goals.sides]
     for place in goals.places:

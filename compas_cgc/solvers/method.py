@@ -60,11 +60,12 @@ class Method(NamedTuple):
     def takes(self, goals: Iterable[Constraint]) -> bool:
         """Return whether it takes goals of these kinds."""
         # Loaded when it is used, so that help texts do not wait for compiled kernels.
+        from ..model.constraints import Fixed
         from ..model.constraints import PositionConstraint
         from ..model.goals.inequalities import Bound
         from ..model.goals.wholes import is_of_whole
 
         if self.goals == "any":
             return True
-        places = (PositionConstraint, Bound) if self.goals == "places" else ()
+        places = (PositionConstraint, Fixed, Bound) if self.goals == "places" else ()
         return all(self.goals != "none" and (is_of_whole(goal) or isinstance(goal, places)) for goal in goals)

@@ -14,6 +14,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
 from ...discrete.topology import tops
+from ...model.constraints import Fixed
 from ...model.constraints import Height
 from ...model.constraints import PositionConstraint
 from ...model.goals.binding import bind
@@ -79,7 +80,7 @@ class Conditions:
         self._placed = np.abs(met.place_slopes).max(axis=1, initial=0.0) > NEGLIGIBLE
         self._kept = np.asarray(abs(met.slopes).sum(axis=1)).ravel()[met.one_sided] > NEGLIGIBLE
         self.can_be_met = (
-            all(isinstance(own, (Whole, Bound, PositionConstraint)) for own in problem.goals)
+            all(isinstance(own, (Whole, Bound, PositionConstraint, Fixed)) for own in problem.goals)
             and all((_place(own, V[at], self._directions[at])[2] <= NEGLIGIBLE).all() for own, at in self._places)
             and bool((met.values[met.one_sided][~self._kept] >= -NEGLIGIBLE).all())
         )

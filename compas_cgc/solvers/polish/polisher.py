@@ -89,7 +89,7 @@ OTHER_GOALS = Sentence(
 )
 WITH_LAWS = (
     "with laws other than constant K vertices move along fixed directions, and such moves cannot meet all of these goals; remove goals "
-    "for edges in plan and mirrors, and support vertices that shall not move"
+    "for edges in plan and mirrors"
 )
 
 

@@ -13,6 +13,7 @@ from compas_cgc import solve
 from compas_cgc.errors import ProblemError
 from compas_cgc.model.constraints import Fixed
 from compas_cgc.model.constraints import Height
+from compas_cgc.model.constraints import Mirror
 from compas_cgc.model.constraints import OnLine
 from compas_cgc.model.goals.binding import bind
 from compas_cgc.model.goals.inequalities import Above
@@ -131,7 +132,20 @@ def test_saddles_stay_above_a_height():
     assert solution.vertices[:, 2].min() > -1e-9
 
 
-@pytest.mark.parametrize("goal", [OnLine([40], (0, 0, 1), (1, 1, 0)), Fixed([40]), Within([(1, 1), (14, 1), (14, 14), (1, 14)], [40, 16])])
+@pytest.mark.parametrize("target", [0.003, -0.003])
+def test_fixed_vertices_stay_where_they_are_drawn(target):
+    edge = 7  # in the middle of a free edge
+    result = solve(roof(target=target), goals=[Fixed([edge])])
+    assert result.method == "bending" and result.verdict.fair and result.max_error < 1e-12
+    np.testing.assert_array_equal(result.vertices[edge], roof().vertices[edge])
+    supported = solve(roof(target=target).with_supports([*roof().supports, edge]), method="bending")
+    assert np.abs(result.vertices - supported.vertices).max() < 1e-9, "as on a support"
+
+
+SQUARE = [(1, 1), (14, 1), (14, 14), (1, 14)]
+
+
+@pytest.mark.parametrize("goal", [OnLine([40], (0, 0, 1), (1, 1, 0)), Mirror((7.5, 0, 0), (1, 0, 0)), Within(SQUARE, [40, 16])])
 def test_goals_that_moves_along_one_direction_do_not_meet_are_those_of_the_projection(goal):
     with pytest.raises(ProblemError, match="cannot meet all of these goals; use the method projection"):
         polish(roof().with_goals([goal]))

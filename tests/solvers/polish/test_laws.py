@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compas_cgc import CGCMesh
-from compas_cgc import Fixed
+from compas_cgc import Mirror
 from compas_cgc import analyse
 from compas_cgc import solve
 from compas_cgc.discrete import vertex_normals
@@ -218,11 +218,11 @@ def test_a_slider_of_a_law_goes_on_from_the_surface_before():
 
 
 def test_goals_that_moves_along_fixed_directions_cannot_meet_are_refused_with_a_remedy():
-    mesh = CGCMesh.from_meshgrid(dx=10, nx=6)
+    mesh, mirror = CGCMesh.from_meshgrid(dx=10, nx=6), Mirror((5, 5, 0), (1, 0, 0))
     mesh.set_supports("corners")
     mesh.set_target(0.01)
     with pytest.raises(ProblemError, match="use the method projection, or auto"):
-        polish(mesh.to_problem().with_goals([Fixed([24])]))
+        polish(mesh.to_problem().with_goals([mirror]))
     mesh.set_law("H = 0.05")
-    with pytest.raises(ProblemError, match="support vertices that shall not move"):
-        solve(mesh, goals=[Fixed([24])])
+    with pytest.raises(ProblemError, match="remove goals for edges in plan and mirrors"):
+        solve(mesh, goals=[mirror])
