@@ -21,7 +21,6 @@ from ..constants import CONVERGED
 from ..constants import WITHIN_REACH
 from ..constants import WORTHWHILE
 from .gauss_newton import FINISH
-from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .iterate import Point
@@ -35,7 +34,6 @@ from .trust_region import refine
 __all__ = ["renewed", "shows_layout", "smooth_equations", "smoothed"]
 
 ROUNDS = 2  # searches for the fairest shape as the layout error changes; half and twice as many move surfaces by 4e-4 of the size
-RENEWALS = 3  # rounds in which the layout error is kept for some steps; half and twice as many move a surface by 2e-3 and 7e-4 of the size
 # steps with a kept layout error [steps]; half and twice as many move a surface with K < 0 on an irregular mesh by 0.03 of the size
 STEPS = 2
 
@@ -78,21 +76,18 @@ def smoothed(system: System, equations: CurvatureEquations, reached: Reached) ->
 def renewed(system: System, equations: CurvatureEquations, vertices: FloatArray) -> Iterator[Taken]:
     """Take steps from a fair shape (n, 3) to the nearest one in the smooth measure.
 
-    Far from it, and where they do not arrive, the layout's part is kept for some of them: what that leaves is told with the result.
+    Far from it the layout's part is kept for some of them.
     """
     smooth = in_smooth_measure(system.across_corners(equations.targets), _asked(system, vertices))
     here = system.at(vertices, smooth)
-    for again in range(RENEWALS):
-        if again or system.missing(here, smooth) > WITHIN_REACH:
-            for taken in islice(_with_layout_of(system, smooth, here), STEPS):
-                here = system.at(taken.vertices, smooth)
-                yield taken._replace(settled=False)
-        for taken in descend(system, smooth, here, WORTHWHILE, FINISH):
+    if system.missing(here, smooth) > WITHIN_REACH:
+        for taken in islice(_with_layout_of(system, smooth, here), STEPS):
             here = system.at(taken.vertices, smooth)
-            yield taken._replace(settled=False, equations=smooth)
-            if system.missing(here, smooth) <= CONVERGED:
-                break
-        if system.missing(here, smooth) <= FULFILLED:
+            yield taken._replace(settled=False)
+    for taken in descend(system, smooth, here, WORTHWHILE, FINISH):
+        here = system.at(taken.vertices, smooth)
+        yield taken._replace(settled=False, equations=smooth)
+        if system.missing(here, smooth) <= CONVERGED:
             break
     # The rest of the way is shorter than what it changes of the layout's part.
     yield from _with_layout_of(system, smooth, here)
