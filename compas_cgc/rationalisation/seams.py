@@ -41,6 +41,8 @@ LEVELS = (6, 5, 7)  # values of K between which level lines run; which of them i
 AWAY = 2.0  # edges, within which a curve lies on the design
 NEAR = 0.6  # of an edge, within which a seam that ends at the rim is led over it
 OFFSETS = (0.0, 0.25, -0.25, 0.4)  # of the width of a panel, by which a grid is shifted off a rim that its lines graze
+STILL = 1e-3  # of the largest step along a rim, below which a coordinate does not change
+NARROW = 0.25  # of the width of a panel, below which a strip between a line and the rim is too narrow for a panel
 GRAZING = "grazes"
 
 LINES = ("curvature", "geodesics")
@@ -144,12 +146,15 @@ def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
     if not design.trimmed and not others:
         return grid_panels(surface, (first, second), number)
     refuse_distorted(surface, rims)
-    for k, offset in enumerate(OFFSETS):
+    beside = [[value for own, value in near if own == axis] for axis in range(2)]
+    kept = [values[1:-1][~np.isin(values[1:-1], beside[axis])] for axis, values in enumerate((first, second))]
+    turns = [np.concatenate([_turning_values(plane.to_plane(rim)[:, axis]) for rim in rims]) for axis in range(2)]
+    in_plane = [plane.to_plane(np.tile(values[:, None], 2))[:, axis] for axis, values in enumerate(kept)]
+    for k, offsets in enumerate(zip(*(_offsets(*own) for own in zip(in_plane, turns)))):
         lines = []
-        for axis, values in enumerate((first, second)):
+        for axis, (values, offset) in enumerate(zip((first, second), offsets)):
             across = surface.domain[1 - axis]
-            kept = values[1:-1][~np.isin(values[1:-1], [value for own, value in near if own == axis])]
-            for value in kept + offset * np.diff(values).mean():
+            for value in kept[axis] + offset * np.diff(values).mean():
                 line = np.empty((2, 2))
                 line[:, axis], line[:, 1 - axis] = value, across
                 lines.append(line)
@@ -159,6 +164,22 @@ def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
             if GRAZING not in str(error) or k + 1 == len(OFFSETS):
                 raise
     raise AssertionError
+
+
+def _turning_values(along: FloatArray) -> FloatArray:
+    """Return the values (t,) of a coordinate along a closed rim (k,) at which it stops: lines there run along the rim."""
+    steps = np.diff(along, append=along[:1])
+    steps[np.abs(steps) <= STILL * np.abs(steps).max(initial=0.0)] = 0.0
+    return along[np.sign(steps) * np.sign(np.roll(steps, 1)) <= 0.0]
+
+
+def _offsets(lines: FloatArray, turns: FloatArray) -> Sequence[float]:
+    """Return the offsets of lines (k,) in the order in which they are tried: the one that leaves the widest strips first."""
+    if len(lines) < 2 or not len(turns):
+        return OFFSETS
+    width = float(np.diff(lines).mean())
+    strips = [float(np.abs(turns[:, None] - lines - offset * width).min()) / width for offset in OFFSETS]
+    return OFFSETS if strips[0] >= NARROW else [OFFSETS[k] for k in np.argsort(-np.round(strips, 6), kind="stable")]
 
 
 def _on_surface(design: Design, plane: Lengths, line: FloatArray, edge: float) -> FloatArray:

@@ -54,6 +54,17 @@ def test_a_grid_is_cut_at_the_rim(plate):
     assert (edges[:, 2] >= 0).all()
 
 
+@pytest.mark.parametrize("side", [5.0, 5.1])
+def test_a_grid_leaves_no_strips_beside_the_inner_sides_of_an_l(side):
+    vertices, faces = mesh_over(heights, 10.0, 8.0, 0.1)
+    middle = vertices[np.array(faces)].mean(axis=1)[:, :2]
+    inside = (middle[:, 0] < side) | (middle[:, 1] < 4.0)
+    design = read_design((vertices, [face for face, own in zip(faces, inside) if own]))
+    panelling = panels_of(design, 1.0, 4)
+    areas = np.bincount(panelling.panels, face_areas(panelling.vertices, panelling.faces))
+    assert areas.min() > 0.2 and len(panelling.vertices) < 20 * panelling.panel_count
+
+
 def test_a_seam_away_from_the_design_is_refused_with_its_place():
     design = read_design(mesh_over(heights, 10.0, 8.0, 1.0))
     with pytest.raises(MeshError, match=r"a seam is .* away from the design at \(5, .*, 30\); draw it on the surface"):
