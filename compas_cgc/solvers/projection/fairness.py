@@ -97,6 +97,11 @@ class Fairness:
         return self._drawing
 
     @property
+    def plan_axes(self) -> Optional[FloatArray]:
+        """Two directions (2, 3) in plan, None without a plan."""
+        return self.axes[:2] if self._has_plan else None
+
+    @property
     def bending(self) -> sparse.csr_matrix:
         """The bending energy of a coordinate (n, n)."""
         return self._bending

@@ -8,21 +8,28 @@ from scipy.sparse.csgraph import connected_components
 
 from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
+from ...discrete.plan import flattened
 from ...errors import FOUND
 from ...errors import HALVED
 from ...errors import Sentence
 from ...errors import more_steps
+from ...meshing import boundary_loops
+from ...meshing.polyline import nearest_on_polyline
 from ...model.checks import no_saddle
 from ...model.checks import three_faced
 from ...model.constraints import Height
 from ...model.goals.names import goal_name
 from ...model.goals.names import listed
 from ...model.laws import types_of
+from ...model.lengths import length_text
+from ...model.lengths import unit_suffix
+from ...model.problem import CGCProblem
+from ...model.roles import FREE
 from ...model.tolerances import DRAWING_ACCURACY
 from .iterate import Point
 from .system import System
 
-__all__ = ["blamed", "cause", "enclosed_negative", "found", "laid_out_anew", "message"]
+__all__ = ["blamed", "cause", "drawn_in", "enclosed_negative", "found", "laid_out_anew", "message"]
 
 
 def message(status: str, steps: int, error: float, start_error: float, goal: float, why: str, measure: str = "defect") -> str:
@@ -48,6 +55,20 @@ def laid_out_anew(drawn: Faces, faces: Faces, moved: float) -> str:
         f"{turned} of {len(faces)} faces were changed by flipping edges, and vertices moved by up to {moved:.3g} along the surface, "
         "because the drawn triangles are too slender for K < 0"
     )
+
+
+def drawn_in(problem: CGCProblem, axes: FloatArray, vertices: FloatArray) -> str:
+    """Return how far the free edges of a surface (n, 3) left their drawn lines, in plan along axes (2, 3); empty where they did not."""
+    plan, moved = problem.vertices @ axes.T, vertices @ axes.T
+    distance, free = 0.0, problem.roles == FREE
+    for loop in boundary_loops(problem.faces):
+        line = flattened(plan[np.append(loop, loop[0])])
+        distance = max(distance, float(nearest_on_polyline(flattened(moved[loop[free[loop]]]), line)[0].max(initial=0.0)))
+    size = float(np.ptp(plan, axis=0).max())
+    if distance <= DRAWING_ACCURACY * size:
+        return ""
+    unit = unit_suffix(problem.drawing.units)
+    return f"free edges left their drawn lines by up to {length_text(distance, size)}{unit} in plan"
 
 
 def cause(point: Point, system: System, targets: FloatArray) -> str:

@@ -47,6 +47,7 @@ from .goal_seeking import goal_ways
 from .iterate import Point
 from .limits import limit
 from .messages import cause
+from .messages import drawn_in
 from .messages import found
 from .messages import laid_out_anew
 from .messages import message
@@ -211,13 +212,16 @@ class Projector:
             sentence += "; " + laid_out_anew(
                 self.problem.faces, faces, float(np.linalg.norm(best.vertices - drawn_on, axis=1).max()) * self._frame.scale
             )
+        returned, axes = self.to_model(best.vertices), system.fairness.plan_axes
+        if status == "converged" and axes is not None:
+            sentence = joined(filter(None, [sentence, drawn_in(self.problem, axes, returned)]))
         targets = self._found(best, used, local.targets)
         if targets is not None:
             regions = unknown_regions(self.problem)
             own = [float(targets[self.problem.region_vertices(region)][0]) for region in regions]
             sentence += "; " + found(own, regions, len(system.goals.equations) + len(system.goals.places) + len(system.goals.sides))
         return Solution(
-            self.to_model(best.vertices),
+            returned,
             status,
             sentence,
             len(recorder),

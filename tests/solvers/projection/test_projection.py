@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial import Delaunay
@@ -11,6 +14,7 @@ from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_normals
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.discrete import vertex_areas
+from compas_cgc.model.goals.places import EdgeInPlan
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import FIXED
@@ -204,6 +208,16 @@ def test_less_smoothness_is_tried_where_the_straight_way_stalls():
     straight = project(problem, settings=ProjectionSettings(smoothness=0.15, retry=False))
     assert straight.status != "converged"
     assert_solved(problem, project(problem, settings=ProjectionSettings(smoothness=0.15)), 100)
+
+
+def test_how_far_free_edges_leave_their_lines_is_told():
+    problem = canopy(10, 0.02, 10.0)
+    found = project(problem)
+    edge = problem.vertices[:, 1] == 0.0
+    inwards = float(found.vertices[edge, 1].max())
+    told = float(re.search(r"free edges left their drawn lines by up to ([\d.]+) in plan", found.message).group(1))
+    assert found.status == "converged" and 0.1 < inwards == pytest.approx(told, rel=1e-3)
+    assert "drawn lines" not in project(replace(problem, goals=(EdgeInPlan(),))).message
 
 
 def test_a_saddle_becomes_a_dome():
