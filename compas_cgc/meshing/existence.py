@@ -21,7 +21,7 @@ from ..errors import names_what_was_meant
 from ..errors import scaled
 from .checks import Diagnostic
 
-__all__ = ["Overload", "existence_problems", "overload", "plane_of", "too_much"]
+__all__ = ["Overload", "existence_problems", "is_plane_and_convex", "overload", "plane_of", "too_much"]
 
 FLATNESS_TOLERANCE = 1e-9  # distance from the plane relative to the size of a curve that counts as plane
 
@@ -79,7 +79,7 @@ def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: 
     for p in np.flatnonzero(lowest > 0).tolist():
         loop = _loop(rims[p])
         euler = sizes[p] + len(rims[p]) - (3 * len(own_faces[p]) + len(rims[p])) / 2 + len(own_faces[p])
-        if loop is None or euler != 1 or not _is_plane_and_convex(V[loop]):
+        if loop is None or euler != 1 or not is_plane_and_convex(V[loop]):
             continue
         halves = 0.5 * _kernels.cross_vectors(V, F[own_faces[p]])
         across = halves.sum(axis=0)
@@ -138,7 +138,8 @@ def _loop(rim: IntArray) -> Optional[list[int]]:
 
 
 @remembered
-def _is_plane_and_convex(points: FloatArray) -> bool:
+def is_plane_and_convex(points: FloatArray) -> bool:
+    """Return whether a closed line of points (k, 3) is plane and convex."""
     points = points - points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points, full_matrices=False)
     if spread[2] > FLATNESS_TOLERANCE * spread[0] or spread[1] <= FLATNESS_TOLERANCE * spread[0]:

@@ -25,6 +25,7 @@ from ..meshing.regions import vertex_labels
 from .branch_points import DEEP
 from .branch_points import branch_points
 from .branch_points import depth
+from .convex_plans import beyond_convex_plans
 from .faults import fault
 from .goals.inequalities import Bound
 from .law_errors import law_errors
@@ -201,7 +202,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     both = float((areas @ other) / (areas @ positive)) if positive.any() else 0.0
     too_sharp = float(sharp.mean()) if len(sharp) else 0.0
     sharpest = float(np.degrees(fold.max(initial=0.0)))
-    reasons = []
+    reasons = beyond_convex_plans(problem, before)
     if _is_off(error - own, areas):
         off = f"{_percent(median or 0.0)} % (median) and {_percent(most or 0.0)} % (90th percentile)"
         reasons.append(f"the curvature of fitted polynomials deviates from its target by {off}")

@@ -1,4 +1,4 @@
-"""What ends a branch of fair surfaces whose targets grow: a fold of the branch, a bifurcation, or the loss of fairness."""
+"""What ends a branch of fair surfaces whose targets grow: a fold, a bifurcation, the loss of fairness, or the plan."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 
-__all__ = ["BIFURCATION", "ENDS", "FOLD", "ROUGH", "folds_back", "rates"]
+__all__ = ["BIFURCATION", "ENDS", "FOLD", "PLAN", "ROUGH", "folds_back", "rates"]
 
-FOLD, BIFURCATION, ROUGH = "fold", "bifurcation", "rough"
+FOLD, BIFURCATION, ROUGH, PLAN = "fold", "bifurcation", "rough", "plan"
 # What is said of these surfaces.
 ENDS = {
     FOLD: "the branch of these surfaces folds back there, and they would snap to others",
     BIFURCATION: "they become unstable there, at a bifurcation, and would snap to others",
     ROUGH: "they become rough",
+    PLAN: "over this convex plan no surface has a larger K, on any mesh",
 }
 LAST = 3  # rates by which a fold is known [rates]; fewer hardly differ from noise, earlier ones are far from the end
 # power of the distance from the end with which rates grow, below which that is a fold; halfway from 0 to -1/2, the one at a fold

@@ -50,7 +50,7 @@ class Limit:
     verdict: Optional[Verdict]  # on the surface at the limit
     solves: int
     coarser: bool = False  # whether that is so on a coarser mesh of the same drawing, not on the mesh itself
-    end: str = ""  # what ends their branch: fold, bifurcation or rough; empty where that is not known
+    end: str = ""  # what ends their branch: fold, bifurcation, rough or plan; empty where that is not known
 
     @property
     def carries_what_is_asked(self) -> bool:

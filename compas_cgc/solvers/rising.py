@@ -19,6 +19,7 @@ from ..discrete.arrays import FloatArray
 from ..linalg.work import Work
 from ..linalg.work import is_spent
 from ..model.checks import GENTLE_TOTAL_CURVATURE
+from ..model.convex_plans import beyond_convex_plans
 from ..model.measures import is_held_all_round
 from ..model.problem import CGCProblem
 from ..model.result import Solution
@@ -28,6 +29,7 @@ from ..model.verdict import verdict
 from .between_lines import between_lines
 from .branch_ends import BIFURCATION
 from .branch_ends import FOLD
+from .branch_ends import PLAN
 from .branch_ends import ROUGH
 from .branch_ends import folds_back
 from .branch_ends import rates
@@ -212,6 +214,9 @@ class Rising:
         if last is None:
             return ""
         arrived, beyond = last.status == "converged", branch[-1].factor * (1.0 + self._tolerance)
+        shape = replace(self.problem, targets=beyond * self.problem.targets, vertices=last.vertices)
+        if beyond_convex_plans(shape, self.problem.vertices):
+            return PLAN
         if arrived and self._is_on_branch(beyond, last.vertices):
             return ROUGH
         if folds_back([one.factor for one in branch], [one.vertices for one in branch], beyond):
