@@ -22,7 +22,6 @@ from ...model.goals.names import goal_name
 from ...model.goals.names import listed
 from ...model.laws import types_of
 from ...model.lengths import length_text
-from ...model.lengths import unit_suffix
 from ...model.problem import CGCProblem
 from ...model.roles import FREE
 from ...model.tolerances import DRAWING_ACCURACY
@@ -67,8 +66,7 @@ def drawn_in(problem: CGCProblem, axes: FloatArray, vertices: FloatArray) -> str
     size = float(np.ptp(plan, axis=0).max())
     if distance <= DRAWING_ACCURACY * size:
         return ""
-    unit = unit_suffix(problem.drawing.units)
-    return f"free edges left their drawn lines by up to {length_text(distance, size)}{unit} in plan"
+    return f"free edges left their drawn lines by up to {length_text(distance, size)} in plan"
 
 
 def cause(point: Point, system: System, targets: FloatArray) -> str:
