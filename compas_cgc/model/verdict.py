@@ -148,7 +148,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     On a fair surface, polynomials fitted to two rings of neighbours (or of higher degree to three) have the target curvature
     within the accuracy of the mesh, and the vertices lie on them. A region with K > 0 bulges to one side. Edges fold no more than
     curvature and edge length explain, and bending does not jump within a region. No vertex, supports included, is a
-    visible tip or has K of the wrong sign on every reading, and no dome dips between its supports. Triangles are not
+    visible tip or has K of the wrong sign on most readings, and no dome dips between its supports. Triangles are not
     stretched to needles, and
     the area does not collapse. Fits near supports are not compared, because the exact surface may be singular there (K > 0 at
     a straight edge).

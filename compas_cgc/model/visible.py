@@ -49,14 +49,14 @@ class Points(NamedTuple):
 
 
 def points(problem: CGCProblem, measured: MeasuredCurvature, least: FloatArray) -> Points:
-    """Return the vertices, supports included, where K is far off, visibly or by its sign on every reading.
+    """Return the vertices, supports included, where K is far off, visibly or by its sign on most readings.
 
     The integral of K - K̄ over the cell of a vertex is that of a cone which turns by ``θ`` across its tip: ``π θ² / 4``. Up to
     two edges from supports, where the exact surface may be singular, a visible tip has K of the wrong sign, elsewhere K is off
-    by more than half. What is not visible counts if mid-edge normals and polynomials of two degrees all read the wrong sign: each errs on
-    coarse meshes in its own way. On fixed edges, creases
-    and free edges not all methods prescribe K, and up to two edges from fixed ones K is not judged where K̄ > 0:
-    towards a straight fixed edge one principal curvature is unbounded, and on it K is not positive.
+    by more than half. What is not visible counts if mid-edge normals read the wrong sign, and so does the median with polynomials of two
+    degrees: each errs on coarse meshes in its own way. On fixed edges, creases and free edges not all methods prescribe K, and up to two
+    edges from fixed ones K is not judged where K̄ > 0: towards a straight fixed edge one principal curvature is unbounded, and on it
+    K is not positive.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def points(problem: CGCProblem, measured: MeasuredCurvature, least: FloatArray) 
     # Goals with K given push the surface, and curvature is singular under a push.
     pushed = bool(problem.goals) and not any(isinstance(goal, Unknown) for goal in problem.goals)
     low = judged & _is_opposite(measured.gaussian, targets, least[at]) & ~reached[at] & (not pushed)
-    bad = judged & (visible | _is_confirmed(problem, at, targets, least[at], low))
+    bad = judged & (visible | _is_confirmed(problem, at, measured.gaussian, targets, least[at], low))
     return Points(at[bad], 2.0 * np.sqrt(excess[bad] / np.pi), measured.gaussian[bad])
 
 
@@ -97,18 +97,16 @@ def _is_opposite(read: FloatArray, targets: FloatArray, least: FloatArray) -> Ma
     return (read * types_of(targets) < 0.0) & (np.abs(read - targets) > HALF * np.maximum(np.abs(targets), least))
 
 
-def _is_confirmed(problem: CGCProblem, at: IntArray, targets: FloatArray, least: FloatArray, where: Mask) -> Mask:
-    """Return where (p,) polynomials of two degrees around vertices (p,) have K of the other sign than targets (p,), too."""
-    found = where.copy()
-    if not found.any():
-        return found
+def _is_confirmed(problem: CGCProblem, at: IntArray, read: FloatArray, targets: FloatArray, least: FloatArray, where: Mask) -> Mask:
+    """Return where (p,) the median of K as read (p,) and of polynomials of two degrees around vertices (p,) is opposite to targets (p,)."""
+    if not where.any():
+        return where
     wanted = np.zeros(len(problem.vertices), bool)
     wanted[at[where]] = True
     through = problem.roles == INTERNAL
-    for degree, rings in ((3, 2), (FINE_DEGREE, FINE_RINGS)):
-        read = local_fits(problem.vertices, problem.faces, wanted, through, degree, rings, pinned=False, layout=False).gaussian[at]
-        found &= _is_opposite(read, targets, least)
-    return found
+    V, F = problem.vertices, problem.faces
+    fits = [local_fits(V, F, wanted, through, *fit, pinned=False, layout=False) for fit in ((3, 2), (FINE_DEGREE, FINE_RINGS))]
+    return where & _is_opposite(np.median([read, *(fit.gaussian[at] for fit in fits)], axis=0), targets, least)
 
 
 def on_held_edges(problem: CGCProblem) -> Mask:

@@ -335,6 +335,23 @@ def test_free_edges_that_sag_between_columns_on_a_line_are_rough_because_k_chang
     assert beside.min() == 0.0 and (beside < 0.3).any()
 
 
+@pytest.mark.parametrize("n", [8, 16])
+def test_supports_at_which_k_changes_its_sign_are_found_on_coarse_meshes_as_on_fine_ones(n):
+    """Two of these six columns pull the free edge between their neighbours down; on both meshes K < 0 at them."""
+    vertices, _ = shapes.grid(n)
+    # The diagonals alternate, and those at the first and the last corner pass them by.
+    row, column = np.divmod(np.arange(n * n), n)
+    a = row * (n + 1) + column
+    b, c, d = a + n + 1, a + n + 2, a + 1
+    one, other = np.column_stack([a, b, c, a, c, d]), np.column_stack([a, b, d, b, c, d])
+    faces = np.where(((row + column) % 2 == 1)[:, None], one, other).reshape(-1, 3)
+    x, y = vertices[:, :2].T
+    columns = [(0.0, 0.0), (0.875, 0.0), (1.0, 0.5), (1.0, 1.0), (0.125, 1.0), (0.0, 0.5)]
+    supports = [int(np.argmin(np.hypot(x - a, y - b))) for a, b in columns]
+    found = solve(CGCProblem(vertices * [1.1, 1.0, 1.0], faces).with_supports(supports).with_targets(1.2 / 1.1)).verdict
+    assert not found.fair and "its K has the wrong sign at the support" in found.reasons[0]
+
+
 def test_single_readings_that_are_off_near_supports_do_not_make_a_surface_rough():
     """Beside the columns of a disc mid-edge normals are off by 7 %, and cubic fits by more on coarse meshes."""
     for count in (120, 500):
