@@ -227,8 +227,8 @@ def slider(count: int, n: int, top: float) -> tuple[float, float, float]:
     return apart, max(step) / np.median(step), float(np.abs(last.vertices - up[0].vertices).max())
 
 
-# With free edges that leave their lines a square on corners carries 3.3; beyond, K has the wrong sign at supports.
-@pytest.mark.parametrize("count, n, top", [(12, 20, 1.8), pytest.param(60, 20, 1.8, marks=pytest.mark.nightly)])
+# With free edges that leave their lines a square on corners carries 3.1; beyond, K has the wrong sign at supports.
+@pytest.mark.parametrize("count, n, top", [(12, 20, 1.76), pytest.param(60, 20, 1.76, marks=pytest.mark.nightly)])
 def test_a_slider_goes_without_jumps_up_to_what_is_carried(count, n, top):
     apart, step, loop = slider(count, n, top)
     assert apart <= 1e-3, "cold and warm"
