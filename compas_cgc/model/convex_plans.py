@@ -38,12 +38,13 @@ def beyond_convex_plans(problem: CGCProblem, drawn: Optional[FloatArray] = None)
     if not size > 0.0:
         return []
     up = whole / size
-    plan, targets = _area_vectors(V, problem) @ up, problem.face_targets()
+    plan, targets, of_regions = _area_vectors(V, problem) @ up, problem.face_targets(), problem.region_targets()
     flat = V - (V @ up)[:, None] * up
     found = []
     for region in np.unique(regions).tolist():
         own = regions == region
-        total, area = float(targets[own] @ plan[own]), float(plan[own].sum())
+        K, area = of_regions[region], float(plan[own].sum())
+        total = float(targets[own] @ plan[own]) if K is None else K * area
         if not (total >= math.pi and (types_of(targets[own]) > 0).all() and (plan[own] > 0.0).all()):
             continue
         loops = boundary_loops(F[own])

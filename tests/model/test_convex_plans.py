@@ -46,6 +46,14 @@ def test_the_bound_moves_with_the_surface_and_holds_for_each_region():
     assert [said.split(" has K")[0][-8:] for said in halves] == ["region 0", "region 1"]
 
 
+def test_the_k_of_a_small_region_counts_and_not_that_beside_it():
+    vertices, faces = grid(9)
+    lines = [[10 * i + k for k in range(10)] for i in (3, 6)] + [[10 * k + i for k in range(10)] for i in (3, 6)]
+    problem = CGCProblem(vertices, faces, targets=1.0, creases=lines).with_supports("corners")
+    for part, count in ((0.999, 0), (1.001, 1)):
+        assert len(beyond_convex_plans(problem.with_targets(part * 9.0 * np.pi, region=4))) == count
+
+
 def test_nothing_is_said_where_a_plan_is_not_convex_or_k_is_not_positive():
     vertices, faces = grid(8)
     middle = vertices[faces].mean(axis=1)
