@@ -8,6 +8,7 @@ from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .regions import face_regions
+from .regions import inner_labels
 
 __all__ = ["halved_faces", "middles", "with_inner_vertices"]
 
@@ -30,7 +31,7 @@ def halved_faces(faces: IntArray, edges: IntArray, count: int) -> IntArray:
 
     The faces that there were (m, 3) come first, as their first parts.
     """
-    divided = np.column_stack([middles(faces[:, [k, (k + 1) % 3]], edges, count) for k in range(3)])
+    divided = middles(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), edges, count).reshape(-1, 3)
     number = (divided >= 0).sum(axis=1)
     # Faces are rotated so that their divided edges come first.
     turn = np.where(number == 2, np.argmin(divided, axis=1) + 1, np.where(number == 1, np.argmax(divided, axis=1), 0)) % 3
@@ -65,12 +66,9 @@ def with_inner_vertices(vertices: FloatArray, faces: IntArray, creases: IntArray
     """
     regions, edges, n = face_regions(faces, creases), edge_faces(faces), len(vertices)
     left, right = edges[:, 2:].T
-    across = (right >= 0) & (regions[left] == regions[right])
-    inner = np.ones(n, bool)
-    inner[edges[~across, :2]] = False
-    without = ~np.isin(np.arange(int(regions.max(initial=-1)) + 1), regions[inner[faces].any(axis=1)])
-    halved = edges[across & without[regions[left]], :2]
-    whole = without[regions] & (np.bincount(regions)[regions] == 1)
+    bare = ~np.isin(regions, inner_labels(n, faces, regions))
+    halved = edges[(right >= 0) & (regions[left] == regions[right]) & bare[left], :2]
+    whole = bare & (np.bincount(regions)[regions] == 1)
     centred = np.flatnonzero(whole)
     vertices = np.vstack([vertices, vertices[halved].mean(axis=1), vertices[faces[centred]].mean(axis=1)])
     a, b, c = faces[centred].T

@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from ..discrete import edge_faces
 from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -13,7 +14,7 @@ from ..discrete.arrays import Mask
 from ..errors import ArgumentError
 from ..errors import names_what_was_meant
 
-__all__ = ["face_means", "face_neighbours", "face_regions", "vertex_labels"]
+__all__ = ["face_means", "face_neighbours", "face_regions", "inner_labels", "vertex_labels"]
 
 
 def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
@@ -96,6 +97,14 @@ def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
     result = np.full(count, -1)
     result[faces.ravel()] = np.repeat(labels, 3)
     return result
+
+
+def inner_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
+    """Return the label of each of `count` vertices inside faces of one label, -1 between labels and on the rim (n,)."""
+    own, edges = vertex_labels(count, faces, labels), edge_faces(faces)
+    left, right = edges[:, 2:].T
+    own[edges[(right < 0) | (labels[left] != labels[right]), :2]] = -1
+    return own
 
 
 @names_what_was_meant()

@@ -47,10 +47,10 @@ class SizeField:
 
     def __init__(self, edge_length: float, sources: FloatArray, sizes: FloatArray, grade: float):
         self.edge_length, self._grade = edge_length, grade
-        small = np.unique(np.column_stack([sources, sizes])[sizes < 0.95 * edge_length], axis=0)
-        self._small = small[np.argsort(small[:, 2], kind="stable")]
+        # Sizes first, so that the rows are in their order.
+        self._small = np.unique(np.column_stack([sizes, sources])[sizes < 0.95 * edge_length], axis=0)
         # Sources dominated by smaller ones are redundant.
-        self._small = self._small[self._small[:, 2] <= self(self._small[:, :2])]
+        self._small = self._small[self._small[:, 0] <= self(self._small[:, 1:])]
 
     @property
     def graded(self) -> bool:
@@ -60,7 +60,7 @@ class SizeField:
     @property
     def smallest(self) -> float:
         """Smallest edge length [L]."""
-        return float(self._small[:, 2].min(initial=self.edge_length))
+        return float(self._small[:, 0].min(initial=self.edge_length))
 
     def __call__(self, points: FloatArray) -> FloatArray:
         """Return the edge lengths (n,) at points (n, 2) [L]."""
@@ -69,18 +69,18 @@ class SizeField:
 
 @kernel()
 def _smallest(points: FloatArray, sources: FloatArray, grade: float, most: float) -> FloatArray:
-    """Return the smallest edge lengths (n,) at points (n, 2), of sources (k, 3) of place and size in ascending order of size."""
+    """Return the smallest edge lengths (n,) at points (n, 2), of sources (k, 3) of size and place in ascending order of size."""
     found, reach = np.empty(len(points)), (1.0 + 1e-12) / grade**2
     for i in range(len(points)):
         x, y, best = points[i, 0], points[i, 1], most
         for k in range(len(sources)):
-            less = best - sources[k, 2]
+            less = best - sources[k, 0]
             if less <= 0.0:
                 break
-            dx, dy = x - sources[k, 0], y - sources[k, 1]
+            dx, dy = x - sources[k, 1], y - sources[k, 2]
             square = dx * dx + dy * dy
             if square < reach * less * less:  # Roots are taken of the few that matter.
-                best = min(best, sources[k, 2] + grade * np.sqrt(square))
+                best = min(best, sources[k, 0] + grade * np.sqrt(square))
         found[i] = best
     return found
 

@@ -7,6 +7,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete import _kernels
 from ..discrete.arrays import FloatArray
 from ..meshing import boundary_loops
 from ..meshing.existence import is_plane_and_convex
@@ -33,27 +34,25 @@ def beyond_convex_plans(problem: CGCProblem, drawn: Optional[FloatArray] = None)
         ``(n, 3)`` the drawing, whose mean normal is the direction of the plan [L]. Default: the surface.
     """
     V, F, regions = problem.vertices, problem.faces, problem.regions()
-    whole = _area_vectors(V if drawn is None else drawn, problem).sum(axis=0)
+    whole = _kernels.cross_vectors(V if drawn is None else drawn, F).sum(axis=0)
     size = float(np.linalg.norm(whole))
     if not size > 0.0:
         return []
     up = whole / size
-    plan, targets, of_regions = _area_vectors(V, problem) @ up, problem.face_targets(), problem.region_targets()
-    flat = V - (V @ up)[:, None] * up
+    plan = 0.5 * _kernels.cross_vectors(V, F) @ up
+    areas = np.bincount(regions, plan)
+    if np.nan_to_num(problem.targets[problem.asked]).max(initial=0.0) * areas.max(initial=0.0) < math.pi:
+        return []
+    targets = problem.face_targets()
+    totals = np.bincount(regions, targets * plan)
+    for region, K in enumerate(problem.region_targets()):
+        totals[region] = totals[region] if K is None else K * areas[region]
     found = []
-    for region in np.unique(regions).tolist():
+    for region in np.flatnonzero(totals >= math.pi).tolist():
         own = regions == region
-        K, area = of_regions[region], float(plan[own].sum())
-        total = float(targets[own] @ plan[own]) if K is None else K * area
-        if not (total >= math.pi and (types_of(targets[own]) > 0).all() and (plan[own] > 0.0).all()):
-            continue
         loops = boundary_loops(F[own])
-        if len(loops) == 1 and is_plane_and_convex(flat[loops[0]]):
-            where = f"the convex plan of region {region}" if len(np.unique(regions)) > 1 else "this convex plan"
-            found.append(f"no surface over {where} has K = {math.pi / area:.4g} or more (set a smaller K, or draw creases)")
+        bulges = (types_of(targets[own]) > 0).all() and (plan[own] > 0.0).all()
+        if bulges and len(loops) == 1 and is_plane_and_convex(V[loops[0]] - (V[loops[0]] @ up)[:, None] * up):
+            where = f"the convex plan of region {region}" if len(areas) > 1 else "this convex plan"
+            found.append(f"no surface over {where} has K = {math.pi / areas[region]:.4g} or more (set a smaller K, or draw creases)")
     return found
-
-
-def _area_vectors(vertices: FloatArray, problem: CGCProblem) -> FloatArray:
-    a, b, c = (vertices[problem.faces[:, k]] for k in range(3))
-    return np.asarray(0.5 * np.cross(b - a, c - a))

@@ -20,10 +20,10 @@ from ..discrete.jacobian import CurvatureEquations
 from ..discrete.space_form import exact_equations
 from ..linalg import LinearSolver
 from ..linalg import factorise
+from ..meshing.regions import inner_labels
 from ..solvers.projection.metric import bending_matrix
 from ..solvers.projection.metric import slope_jumps
 from .panelling import Panelling
-from .panelling import vertex_panels
 
 __all__ = ["LinearMoves", "NormalMoves", "Sensitivities", "Weights"]
 
@@ -99,7 +99,7 @@ class NormalMoves:
         self.vertices, self.faces = V, F
         self.normals = vertex_normals(V, F)
         self.columns = np.flatnonzero(~fixed)
-        inside = vertex_panels(F, panelling.panels, n)
+        inside = inner_labels(n, F, panelling.panels)
         self.rows = np.flatnonzero((inside >= 0) & ~fixed)
         self.groups = np.arange(panelling.panel_count) if groups is None else groups
         self.panel_of_row = self.groups[inside[self.rows]]

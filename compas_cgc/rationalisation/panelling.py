@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ..discrete import edge_faces
 from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 
-__all__ = ["Panelling", "vertex_panels"]
+__all__ = ["Panelling"]
 
 
 class Panelling(NamedTuple):
@@ -35,14 +33,3 @@ class Panelling(NamedTuple):
         edges = edge_faces(self.faces)
         inner = edges[edges[:, 3] >= 0]
         return inner[self.panels[inner[:, 2]] != self.panels[inner[:, 3]]][:, :2]
-
-
-def vertex_panels(faces: IntArray, panels: IntArray, count: int) -> IntArray:
-    """Return the panel of every vertex inside one, -1 on seams and on the rim (n,)."""
-    own = np.full(count, -1)
-    own[faces.ravel()] = np.repeat(panels, 3)
-    edges = edge_faces(faces)
-    left, right = edges[:, 2:].T
-    inside = (right >= 0) & (panels[left] == panels[right])
-    own[edges[~inside, :2].ravel()] = -1
-    return own

@@ -21,6 +21,7 @@ from ..errors import MeshError
 from ..errors import names_what_was_meant
 from ..meshing import named_supports
 from ..meshing.polyline import nearest_on_polyline
+from ..meshing.regions import inner_labels
 from ..model.counts import counted
 from ..model.given import refuse_other_units
 from ..model.problem import CGCProblem
@@ -44,7 +45,6 @@ from .mould_choice import Wanted
 from .mould_choice import best_moulds
 from .normal_moves import NormalMoves
 from .panelling import Panelling
-from .panelling import vertex_panels
 from .progress import Progress
 from .progress import Stop
 from .progress import Watch
@@ -248,7 +248,7 @@ def _fixed(design: Design, panelling: Panelling, supports: Union[str, Sequence[S
 def _three_apart(panelling: Panelling) -> Mask:
     """Mark three vertices on seams or the rim that are far apart, which hold a design without supports in its place (n,)."""
     V = panelling.vertices
-    candidates = np.flatnonzero(vertex_panels(panelling.faces, panelling.panels, len(V)) < 0)
+    candidates = np.flatnonzero(inner_labels(len(V), panelling.faces, panelling.panels) < 0)
     points = V[candidates]
     first = int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))
     gap = np.linalg.norm(points - points[first], axis=1)

@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..meshing.regions import inner_labels
 from .panelling import Panelling
-from .panelling import vertex_panels
 
 __all__ = ["symmetric_panels"]
 
@@ -27,7 +27,7 @@ def symmetric_panels(panelling: Panelling, fixed: Mask) -> IntArray:
     V = panelling.vertices
     arms = V - V[np.unique(panelling.faces)].mean(axis=0)
     size = float(np.linalg.norm(arms, axis=1).max())
-    own = vertex_panels(panelling.faces, panelling.panels, len(V))
+    own = inner_labels(len(V), panelling.faces, panelling.panels)
     inside = np.flatnonzero(own >= 0)
     tree = cKDTree(arms)
     pairs = [np.empty((0, 2), np.int64)]

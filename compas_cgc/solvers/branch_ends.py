@@ -11,7 +11,7 @@ from ..discrete.arrays import FloatArray
 __all__ = ["BIFURCATION", "ENDS", "FOLD", "PLAN", "ROUGH", "folds_back", "rates"]
 
 FOLD, BIFURCATION, ROUGH, PLAN = "fold", "bifurcation", "rough", "plan"
-# What is said of these surfaces.
+# Why no fair surface with a larger K was found, as messages state it.
 ENDS = {
     FOLD: "the branch of these surfaces folds back there, and they would snap to others",
     BIFURCATION: "they become unstable there, at a bifurcation, and would snap to others",
@@ -20,7 +20,7 @@ ENDS = {
 }
 LAST = 3  # rates by which a fold is known [rates]; fewer hardly differ from noise, earlier ones are far from the end
 # power of the distance from the end with which rates grow, below which that is a fold; halfway from 0 to -1/2, the one at a fold
-GROWTH = -0.25
+EXPONENT = -0.25
 
 
 def rates(factors: Sequence[float], surfaces: Sequence[FloatArray]) -> FloatArray:
@@ -60,4 +60,4 @@ def folds_back(factors: Sequence[float], surfaces: Sequence[FloatArray], end: fl
         return False
     places = np.log(factors[-LAST - 1 :])
     left = np.log(end) - 0.5 * (places[1:] + places[:-1])
-    return float(np.polyfit(np.log(left), np.log(pace), 1)[0]) < GROWTH
+    return float(np.polyfit(np.log(left), np.log(pace), 1)[0]) < EXPONENT

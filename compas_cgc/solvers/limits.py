@@ -176,7 +176,7 @@ def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = Fa
     if carried is None:
         least = largest * (beyond or 0.0)
         return Limit("none", 0.0, 0.0, least, _none(least), None, solves)
-    message = _found(largest, bracket, several, coarser)
+    message = _found(largest, carried.factor, beyond, end, several, coarser)
     status = "open" if beyond is None else "found"
     return Limit(
         status,
@@ -191,16 +191,14 @@ def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = Fa
     )
 
 
-def _found(largest: float, bracket: Bracket, several: bool, coarser: bool) -> str:
-    assert bracket.carried is not None
-    factor, beyond = bracket.carried.factor, bracket.beyond
+def _found(largest: float, factor: float, beyond: Optional[float], end: str, several: bool, coarser: bool) -> str:
     carried = largest * factor
     bound = "up to" if largest > 0 else "down to"
     what = f"{factor:.3g} times the targets, that is, |K̄| up to {abs(carried):.4g}" if several else f"K̄ {bound} {carried:.4g}"
     asked = "" if several else f", {factor:.3g} times the target" if factor >= 1.0 else f"; the target is {largest:.4g}"
     surely = beyond is not None and beyond <= SURELY * factor
     more = "" if surely else " or more"
-    why = f", because {ENDS[bracket.end]}" if bracket.end else ""
+    why = f", because {ENDS[end]}" if end else ""
     least = f" (none was found for {beyond * (1.0 if several else largest):.4g}{why})" if beyond is not None and beyond != 1.0 else ""
     where = " on a coarser mesh" if coarser else ""
     text = f"over these supports, fair surfaces were found for {what}{more}{where}{least}{asked}"

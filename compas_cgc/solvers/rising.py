@@ -148,7 +148,7 @@ class Rising:
         return len(pace) < 2 or bool(pace[1] <= PACE * pace[0])
 
     def _leads_back(self, found: Carried, before: Carried) -> bool:
-        """Return whether a surface leads back to the one before: where symmetry is lost gently it does, after a snap it does not."""
+        """Return whether a surface leads back to the one before: it does if symmetry is lost gradually, but not after a snap."""
         size = float(np.ptp(before.vertices, axis=0).max())
         back = self._solved(self.ways[0], before.factor, found.vertices)[1]
         return back is not None and float(np.abs(back.vertices - before.vertices).max()) <= DRAWING_ACCURACY * size
@@ -181,8 +181,8 @@ class Rising:
     def narrowed(self, bracket: Bracket, growth: float = GROWTH) -> Bracket:
         """Return the bracket that rising targets, and then halving, come to.
 
-        Where a surface snapped to another, a shorter step tells whether the branch goes on. A factor that was not carried from far is
-        tried again from the last surface that is.
+        If a surface snaps to another one, a shorter step is tried. A factor for which no fair surface was found is tried again from the
+        last surface before it.
         """
         carried, beyond = bracket.carried, bracket.beyond
         shortest = 1.0 + self._tolerance

@@ -14,6 +14,7 @@ from compas_cgc.cli import main
 from compas_cgc.discrete.space_form import space_form_angle_sums
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import MeshError
+from compas_cgc.meshing.regions import inner_labels
 from compas_cgc.model.problem import Drawing
 from compas_cgc.rationalisation import Rationalised
 from compas_cgc.rationalisation import design as design_module
@@ -22,7 +23,6 @@ from compas_cgc.rationalisation import seams as seams_module
 from compas_cgc.rationalisation.design import read_design
 from compas_cgc.rationalisation.normal_moves import FOLD_LENGTH
 from compas_cgc.rationalisation.normal_moves import NormalMoves
-from compas_cgc.rationalisation.panelling import vertex_panels
 from compas_cgc.rationalisation.seams import panels_of
 from compas_cgc.rationalisation.symmetry import symmetric_panels
 
@@ -45,7 +45,7 @@ def found(moulds: int = 3) -> Rationalised:
 
 def test_every_panel_has_the_curvature_of_its_mould_in_the_exact_measure():
     own = found()
-    inside = vertex_panels(own.result.problem.faces, own.panels, len(own.result.vertices))
+    inside = inner_labels(len(own.result.vertices), own.result.problem.faces, own.panels)
     rows = np.flatnonzero(inside >= 0)
     K = own.curvatures[own.classes[inside[rows]]]
     each = np.zeros(len(inside))

@@ -39,7 +39,7 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
         Vertices, faces, roles and constraints.
     """
     V, F = problem.vertices, np.ascontiguousarray(problem.faces[problem.real_faces])
-    movable = movable_vertices(problem, F, problem.goals)
+    movable = movable_vertices(problem, F)
     used = np.zeros(len(V), bool)
     used[F] = True
     fixed = used & ~movable

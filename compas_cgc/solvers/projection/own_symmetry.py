@@ -165,7 +165,7 @@ class _Rule:
 
     def __init__(self, problem: CGCProblem, goals: BoundGoals, colour: IntArray):
         V = problem.vertices
-        movable = movable_vertices(problem, problem.faces, problem.goals)
+        movable = movable_vertices(problem, problem.faces)
         identity = Image(np.arange(len(V)), np.eye(3), np.zeros(3))
         self._vertices, self._movable, self._colour = V, movable, colour
         self._bound, self._pull = Places(V, movable, goals.places, [identity]).conditions(V)

@@ -15,8 +15,6 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import ProblemError
-from ...model.constraints import Constraint
-from ...model.constraints import Fixed
 from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
 from ...model.goals.places import Level
@@ -215,12 +213,8 @@ def _shortest(value: FloatArray, vector: FloatArray, pull: FloatArray, at: IntAr
     return shift
 
 
-def movable_vertices(problem: CGCProblem, faces: IntArray, constraints: Sequence[Constraint]) -> NDArray[np.bool_]:
+def movable_vertices(problem: CGCProblem, faces: IntArray) -> NDArray[np.bool_]:
     """Mark the vertices of some faces (m, 3) that may move at all (n,)."""
     used = np.zeros(len(problem.vertices), bool)
     used[faces.ravel()] = True
-    movable = problem.movable & used
-    for constraint in constraints:
-        if isinstance(constraint, Fixed):
-            movable[indices(constraint.vertices, len(movable))] = False
-    return movable
+    return problem.movable & used

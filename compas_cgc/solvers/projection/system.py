@@ -105,7 +105,7 @@ class System:
         edges = edge_faces(self.faces)
         hinges = edges[edges[:, 3] >= 0, 2:]
         self._hinges = np.ascontiguousarray(hinges[self.sound[hinges].all(axis=1)].T)
-        movable = movable_vertices(problem, self.faces, constraints)
+        movable = movable_vertices(problem, self.faces)
         self.columns = np.flatnonzero(movable)
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
         self._problem, self._settings = problem, settings
