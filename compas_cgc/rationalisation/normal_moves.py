@@ -112,9 +112,11 @@ class NormalMoves:
         seams = np.zeros(n, bool)
         seams[panelling.seams.ravel()] = True
         bending = bending_matrix(V, F, seams, weights.crease_stiffness)[self.columns][:, self.columns]
-        self._bending = ((weights.smoothness * self.size / np.sqrt(n)) ** 4 / areas.sum() * bending).tocsr()
+        self.smoothing_length = float(weights.smoothness * self.size / np.sqrt(n))
+        self._bending = (self.smoothing_length**4 / areas.sum() * bending).tocsr()
         seam_edges, jumps = slope_jumps(V, F, np.flatnonzero(_on_seams(F, panelling.panels)))
         width = FOLD_LENGTH * self.size / np.sqrt(panelling.panel_count)
+        self.panel_width = float(self.size / np.sqrt(panelling.panel_count))
         factors = np.concatenate([self.importance[self.columns], width * self.importance[seam_edges].mean(axis=1)])
         self._criteria = (sparse.diags(factors) @ sparse.vstack([sparse.identity(len(self.columns)), jumps[:, self.columns]])).tocsr()
         own = np.linalg.norm(V[seam_edges[:, 1]] - V[seam_edges[:, 0]], axis=1)

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from ..datastructures import SolveResult
 from ..discrete import boundary_vertices
 from ..discrete import face_areas
+from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import MeshError
@@ -53,6 +54,7 @@ from .result import Rationalised
 from .seams import LEVELS
 from .seams import SeamsInput
 from .seams import panels_of
+from .smooth_moves import smoothed
 from .symmetry import symmetric_panels
 
 __all__ = ["Progress", "rationalise"]
@@ -84,6 +86,9 @@ def rationalise(
 
     Seams divide the design into panels. Every panel is assigned one of a few values of K, and the surface with exactly these K is
     solved. The values and the assignment minimise the distance of this surface from the design.
+
+    If this surface is rough, a smoother one with the same values of K is sought. It is returned if it is fair and stays within the allowed
+    distance, although its largest distance may be larger.
 
     Parameters
     ----------
@@ -177,8 +182,15 @@ def rationalise(
         allowance = None if within is None else _allowance(moves, within, read.deviation, prices)
         best = best_moulds(moves, Wanted(moulds, flat, locked, allowance), part_of(stop.shown, past, len(numbers)))
         curvatures, classes = np.unique(best.assigned.K[moves.groups], return_inverse=True)
-        solved = _solved(read, panelling, moves, fixed, best)
-        own = Rationalised(solved, curvatures, classes, panelling, read, within, stop.stopped, "", prices, moves.importance)
+        problem = _problem(read, panelling, moves, fixed, best.assigned.K)
+        own = Rationalised(
+            _solved(problem, moves, best), curvatures, classes, panelling, read, within, stop.stopped, "", prices, moves.importance
+        )
+        if not (own.result.converged and own.result.verdict.fair) and not stop.stopped:
+            smooth = smoothed(moves, best, problem)
+            if moves.error(smooth.moves, smooth.assigned.K) <= DONE:
+                other = replace(own, result=_solved(problem, moves, smooth))
+                own = min(own, other, key=lambda each: (own.kept and not each.kept, *_rank(each, moulds is None)))
         if within is not None and not own.kept and not stop.stopped:
             own = replace(own, suggestion=_suggestion(own, within, min(_most(moulds), moves.panels)))
         if not own.result.converged and not stop.stopped:
@@ -191,12 +203,12 @@ def rationalise(
     return min(found, key=lambda own: _rank(own, moulds is None))
 
 
-def _rank(found: Rationalised, fewest: bool) -> tuple[bool, bool, float, int, float]:
-    """Return the sort key of a division into panels, best first: fair, within the distance, costs, number of moulds, distance."""
-    fair = found.result.converged and found.result.verdict.fair
+def _rank(found: Rationalised, fewest: bool) -> tuple[bool, bool, bool, float, int, float]:
+    """Return the sort key of a surface, best first: with its K, fair, within the distance, costs, number of moulds, distance."""
+    converged, fair = found.result.converged, found.result.verdict.fair
     cheapest = found.within is not None and found.costs is not None
     cost = sum(found.costs_of_parts) if cheapest else 0.0
-    return not fair, (fewest or cheapest) and not found.kept, cost, len(found.curvatures) if fewest else 0, found.farthest
+    return not converged, not fair, (fewest or cheapest) and not found.kept, cost, len(found.curvatures) if fewest else 0, found.farthest
 
 
 def _check_scale(design: Design, panel: Optional[float], within: Optional[float], moulds: MouldsInput) -> None:
@@ -269,14 +281,18 @@ def _allowance(moves: NormalMoves, within: float, deviation: float, costs: Optio
     return Allowance(limits, np.bincount(moves.groups, minlength=moves.panels), costs)
 
 
-def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, done: Placed) -> SolveResult:
-    """Return an assignment with its surface as the result of a solve; it is solved further only where it has not reached its K."""
-    K = done.assigned.K
-    vertices, error = moves.shape(done.moves), moves.error(done.moves, K)
-    targets = np.full(len(vertices), np.nan)
+def _problem(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, K: FloatArray) -> CGCProblem:
+    """Return the design as a problem with the K (p,) of its panels."""
+    targets = np.full(len(panelling.vertices), np.nan)
     targets[moves.rows] = K[moves.panel_of_row]
-    problem = CGCProblem(vertices, panelling.faces, targets=targets, creases=panelling.seams, drawing=design.drawing)
-    problem = problem.with_supports(np.flatnonzero(fixed).tolist())
+    problem = CGCProblem(panelling.vertices, panelling.faces, targets=targets, creases=panelling.seams, drawing=design.drawing)
+    return problem.with_supports(np.flatnonzero(fixed).tolist())
+
+
+def _solved(problem: CGCProblem, moves: NormalMoves, done: Placed) -> SolveResult:
+    """Return an assignment with its surface as the result of a solve; it is solved further only where it has not reached its K."""
+    vertices, error = moves.shape(done.moves), moves.error(done.moves, done.assigned.K)
+    problem = problem.with_vertices(vertices)
     settings = ProjectionSettings(keep="shape", measure="exact")
     if error > DONE:
         return solve(problem, method="projection", settings=settings)

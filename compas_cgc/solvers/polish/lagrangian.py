@@ -13,6 +13,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
+from ...discrete.measured_curvature import even_angles
 from ...discrete.mid_edge import OCCURRENCES
 from ...discrete.mid_edge import TRACE
 from ...discrete.mid_edge import MidEdgeMesh
@@ -110,6 +111,8 @@ class Lagrangian:
         self.cells: FloatArray = (mesh.incidence @ areas)[self.rows]
         self.scales = law.scales(float(areas.sum()))  # that the residuals of the laws are compared with (r,)
         self.kept: FloatArray = np.zeros(mesh.unknowns)  # second derivatives of the energy that keeps the drawing (u,)
+        self.bent_as: FloatArray = np.zeros((len(mesh.faces), 6))  # shape operators of faces that cost no bending
+        self.folded_as: FloatArray = np.zeros(len(mesh.angles.folds))  # folds of crease edges that cost nothing (c,) [rad]
         self.pattern = Pattern(self) if pattern is None else pattern.copied()
         # It is of fourth order in the length of edges, so that it vanishes under refinement, and it removes oscillations that bending
         # hardly sees. Heights err least for the weight 1 among 0, .1, 1 and 10.
@@ -190,6 +193,23 @@ class Lagrangian:
         other.kept[:n] = 2.0 / 3.0 * np.bincount(self.mesh.faces.ravel(), np.repeat(areas, 3), n) / waves**4
         return other
 
+    def near(self, waves: float, importance: FloatArray) -> Lagrangian:
+        """Return the same with a smooth drawing that is kept, bends and folds included, but for changes on waves shorter than a length.
+
+        Parameters
+        ----------
+        waves
+            The length [L].
+        importance
+            ``(n,)`` factors of the moves.
+        """
+        other, n = self.keeping(waves), len(self.drawing)
+        other.kept[:n] *= importance**2
+        drawn = np.append(np.zeros(n), even_angles(self.mesh, self.drawing))
+        operators = self.mesh.at(self.drawing, drawn[n:])
+        other.bent_as, other.folded_as = operators.tensors / operators.areas[:, None], self.folds(drawn)
+        return other
+
     def evener(self, evenness: float) -> Lagrangian:
         """Return the same with an energy of the second derivatives of the curvature, times the fourth power of a length.
 
@@ -244,6 +264,8 @@ class Lagrangian:
         S = operators.tensors / operators.areas[:, None]
         uneven = float(np.einsum("me,e,me->", S, OCCURRENCES, self.uneven @ S))
         energy = float(operators.bending.sum() + 0.5 * (self._fold_weights @ folds**2 + self.kept @ unknowns**2)) + uneven
+        by_tensor, by_area = self._spared
+        energy += float(by_area @ operators.areas - np.einsum("me,me->", by_tensor, operators.tensors))
         return State(unknowns, operators, energy, A * self.law.residual(H, K), self.conditions.at(vertices))
 
     def curvatures(self, operators: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -253,8 +275,8 @@ class Lagrangian:
         return T, A, 0.5 * T @ TRACE / A, determinants(T) / A**2
 
     def folds(self, unknowns: FloatArray) -> FloatArray:
-        """Return the folds of the crease edges (c,) [rad]."""
-        return np.asarray(unknowns[self._fold_columns] @ [1.0, -1.0])
+        """Return the folds of the crease edges (c,) less those that cost nothing [rad]."""
+        return np.asarray(unknowns[self._fold_columns] @ [1.0, -1.0] - self.folded_as)
 
     def untilted(self, state: State) -> State:
         """Return a state that is not turned against the drawing where supports leave it free to turn."""
@@ -274,14 +296,20 @@ class Lagrangian:
         own, onto = state.operators, self.mesh.incidence[self.rows].T
         bent, uneven, stretched = self._stresses(own)
         row_by_tensor, row_by_area, _ = self._laws(own)
-        by_tensor = bent + uneven + onto @ (multipliers[:, None] * row_by_tensor)
-        by_area = onto @ (multipliers * row_by_area) - own.bending / own.areas - stretched
+        spared_by_tensor, spared_by_area = self._spared
+        by_tensor = bent + uneven - spared_by_tensor + onto @ (multipliers[:, None] * row_by_tensor)
+        by_area = onto @ (multipliers * row_by_area) - own.bending / own.areas - stretched + spared_by_area
         by_face = np.einsum("me,mek->mk", by_tensor, own.tensor_slopes)
         by_face[:, :3] += by_area[:, None] * own.area_slopes
         whole = self.fold_terms(state.unknowns)[0] + np.bincount(self.mesh.columns.ravel(), by_face.ravel(), self.mesh.unknowns)
         whole[: len(self.drawing)] += state.met.slopes.T @ forces
         np.add.at(whole, self.conditions.vertices, pressed[:, None] * state.met.place_slopes)
         return np.asarray(whole[self.free], dtype=np.float64)
+
+    @property
+    def _spared(self) -> tuple[FloatArray, FloatArray]:
+        """What shape operators that cost no bending take from its derivatives by tensors (m, 6), and add to those by areas (m,)."""
+        return 2.0 * OCCURRENCES * self.bent_as, self.bent_as**2 @ OCCURRENCES
 
     def _stresses(self, own: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the derivatives of bending and of unevenness by the tensors of faces (m, 6), and minus those of unevenness by areas."""
@@ -295,7 +323,8 @@ class Lagrangian:
         own = state.operators.to_second_order()
         A, S = own.areas, own.tensors / own.areas[:, None]
         bent, uneven, stretched = self._stresses(own)
-        by_tensor, by_area = bent + uneven, -own.bending / A - stretched
+        spared_by_tensor, spared_by_area = self._spared
+        by_tensor, by_area = bent + uneven - spared_by_tensor, -own.bending / A - stretched + spared_by_area
         slopes = np.concatenate([own.tensor_slopes, np.pad(own.area_slopes, ((0, 0), (0, 3)))[:, None]], axis=1)
         gradient = np.einsum("me,mek->mk", by_tensor, slopes[:, :6]) + by_area[:, None] * slopes[:, 6]
         bending_curvature = _second(np.diag(2.0 * OCCURRENCES) / A[:, None, None], -bent / A[:, None], 2.0 * own.bending / A**2)

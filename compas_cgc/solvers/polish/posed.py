@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Optional
 
 import numpy as np
 
@@ -28,7 +29,7 @@ FACING = 0.3
 SMOOTHINGS = 10  # averages of the normals of a drawing without a plan; over ten edges, so that moves of neighbours are nearly parallel
 
 
-def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:
+def posed(problem: CGCProblem, fold_length: float, directions: Optional[FloatArray] = None) -> Lagrangian:
     """Return energy and equations of a problem without dummies in its local frame.
 
     Parameters
@@ -37,9 +38,11 @@ def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:
         Vertices, faces, roles, creases and targets.
     fold_length
         Width of a strip that bends as easily as a crease folds, relative to the square root of the area.
+    directions
+        ``(n, 3)`` unit vectors along which vertices move. Default: those of :func:`move_directions`.
     """
     V, F, regions = problem.vertices, problem.faces, problem.regions()
-    directions = move_directions(problem)
+    directions = move_directions(problem) if directions is None else directions
     mesh = MidEdgeMesh(F, problem.creases, regions, directions)
     size = math.sqrt(float(face_areas(V, F).sum()))
     rows, law = pair_laws(problem, mesh)

@@ -75,11 +75,17 @@ def _order(problems, **settings):
     return np.log2((heights[1] - heights[0]) / (heights[2] - heights[1])), heights
 
 
-@pytest.mark.parametrize("evenness, goals", [(0.0, []), (0.5, []), (0.0, [Height([10], 0.2), Level([3, 5, 6]), Volume(0.2), Below(0.3)])])
-def test_derivatives_are_exact(evenness, goals):
+GOALS = [Height([10], 0.2), Level([3, 5, 6]), Volume(0.2), Below(0.3)]
+
+
+@pytest.mark.parametrize("evenness, goals, near", [(0.0, [], False), (0.5, [], False), (0.0, GOALS, False), (0.0, [], True)])
+def test_derivatives_are_exact(evenness, goals, near):
     local = _on_corners(6, 1.0, lines=(1 / 3, 2 / 3), jitter=0.3).with_goals(goals).local()[0]
     lagrangian = posed(local, 0.1).evener(evenness)
     state, rng = next(starts(lagrangian)), np.random.default_rng(0)
+    if near:
+        lagrangian = lagrangian.over(lagrangian.vertices(state.unknowns), 1.0).near(0.3, rng.uniform(0.5, 2.0, len(local.vertices)))
+        state = lagrangian.moved(lagrangian.at(np.zeros(lagrangian.mesh.unknowns)), 0.01 * rng.standard_normal(lagrangian.size))
     multipliers, step = rng.standard_normal(lagrangian.count), rng.standard_normal(lagrangian.size)
     forces = rng.standard_normal(len(state.met.values))
     h = 1e-6
