@@ -188,7 +188,7 @@ def rationalise(
         )
         if not (own.result.converged and own.result.verdict.fair) and not stop.stopped:
             smooth = smoothed(moves, best, problem)
-            if moves.error(smooth.moves, smooth.assigned.K) <= DONE:
+            if np.isfinite(smooth.norm):
                 other = replace(own, result=_solved(problem, moves, smooth))
                 own = min(own, other, key=lambda each: (own.kept and not each.kept, *_rank(each, moulds is None)))
         if within is not None and not own.kept and not stop.stopped:
