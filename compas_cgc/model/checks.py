@@ -26,6 +26,7 @@ from ..meshing import vertex_labels
 from ..meshing.checks import listed
 from ..meshing.existence import plane_of
 from .bulging import two_sided_supports
+from .convex_plans import beyond_convex_plans
 from .flat_edges import saddle_in_flat_edge
 from .goals.binding import unknown_regions
 from .goals.contradictions import bound_problems
@@ -91,7 +92,9 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
         problems += _unit_problems(real) + _remarks(real) + _existence_problems(real) + _saddle_problems(real)
-        warnings = (*bound_problems(real), *two_sided_supports(real), *twisted_edges(real), *saddle_in_flat_edge(real))
+        warnings = [*bound_problems(real), *two_sided_supports(real), *twisted_edges(real), *saddle_in_flat_edge(real)]
+        if not any(said.fatal for said in problems):
+            warnings += beyond_convex_plans(real.with_targets(np.where(_unknown(real), 0.0, np.nan)))
         problems += [Diagnostic(said, fatal=False) for said in warnings]
     return problems
 

@@ -424,11 +424,11 @@ def test_an_open_or_creased_or_curved_boundary_is_not_refused():
     mesh = CGCMesh.from_meshgrid(dx=4, nx=4)
     mesh.set_target(5.0)
     mesh.set_supports("corners")
-    assert mesh.check() == []
+    assert [(said.fatal, "over this convex plan" in said) for said in mesh.check()] == [(False, True)]
     mesh.set_supports("boundary")
-    assert len(mesh.check()) == 1
+    assert [said.fatal for said in mesh.check()] == [True]
     mesh.set_creases([[10, 11, 12, 13, 14]])
-    assert mesh.check() == []
+    assert [(said.fatal, "over the convex plan of region" in said) for said in mesh.check()] == [(False, True)] * 2
 
 
 def test_concave_edges_and_closed_meshes_are_noted_but_not_refused():

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from compas_cgc.discrete import vertex_areas
+from compas_cgc.model.checks import check
 from compas_cgc.model.convex_plans import beyond_convex_plans
+from compas_cgc.model.goals.wholes import Rise
+from compas_cgc.model.goals.wholes import Unknown
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.verdict import verdict
 
@@ -61,3 +64,16 @@ def test_nothing_is_said_where_a_plan_is_not_convex_or_k_is_not_positive():
     assert not beyond_convex_plans(CGCProblem(vertices, faces[inside], targets=9.0).with_supports("boundary").without_dummies())
     assert not beyond_convex_plans(CGCProblem(vertices, faces, targets=-9.0).with_supports("corners"))
     assert not beyond_convex_plans(CGCProblem(vertices, faces).with_supports("corners"))
+
+
+def test_a_problem_is_warned_of_before_it_is_solved_unless_its_k_is_to_be_found():
+    vertices, faces = grid(8)
+    over = CGCProblem(vertices, faces, targets=3.2).with_supports("corners")
+    said = [text for text in check(over) if "convex plan" in text]
+    assert said == beyond_convex_plans(over) and not said[0].fatal
+    (smaller,) = said[0].remedies
+    assert smaller.field == "scale" and not beyond_convex_plans(over.with_targets(smaller.value * 3.2))
+    assert not any("convex plan" in text for text in check(over.with_goals([Rise(0.3), Unknown()])))
+    # A rim that is held all round is refused, and not warned of besides.
+    held = check(over.with_supports("boundary").with_targets(9.0))
+    assert any(text.fatal for text in held) and not any("convex plan" in text for text in held)

@@ -62,6 +62,34 @@ def test_bounds_that_leave_no_surface_are_named():
     assert result.status == "infeasible" and "widen its bounds" in result.message and K[1] <= 0.01 * (1.0 + 1e-9)
 
 
+def saddle(lifted, *between, n=12):
+    """Return a square of 8 m on its corners, of which two are lifted, and on points of its edges."""
+    mesh = CGCMesh.from_meshgrid(dx=8.0, nx=n)
+    corners = [0, n, (n + 1) ** 2 - 1, n * (n + 1)]
+    mesh.set_supports([*corners, *between])
+    for key in corners[::2]:
+        mesh.vertex_attribute(key, "z", lifted)
+    return mesh
+
+
+@pytest.mark.parametrize("drawn, n", [(-0.005, 12), (-0.001, 8)])
+def test_a_rise_above_the_supports_is_found_from_a_k_that_leaves_a_support_the_crown(drawn, n):
+    mesh = saddle(2.0, n=n)
+    assert solve(mesh, targets=drawn).vertices[:, 2].max() == 2.0
+    result = solve(mesh, targets=drawn, goals=[Rise(1.2)], unknown="all")
+    assert result.converged and result.verdict.fair and result.vertices[:, 2].max() == pytest.approx(1.0 + 1.2, abs=1e-9)
+
+
+def test_k_is_found_on_the_surface_of_even_curvature_where_the_one_of_least_bending_is_not_fair():
+    mesh = saddle(1.0, 6)
+    known = solve(mesh, targets=-0.05)
+    assert known.verdict.fair and "evenness" in known.message
+    rise = float(known.vertices[:, 2].max()) - 2.0 / 5.0
+    result = solve(mesh, targets=-0.05, goals=[Rise(rise)], unknown="all")
+    assert result.verdict.fair and result.problem.region_targets() == [pytest.approx(-0.05, rel=1e-6)]
+    assert result.message.count("evenness") == 1
+
+
 def test_the_sign_may_be_other_than_drawn():
     result, K = found(Rise(0.3), Unknown([0, 1], ratio=True, sign=1), drawn=(-0.02, -0.04))
     assert result.converged and min(K) > 0.0

@@ -44,7 +44,8 @@ from ..constants import DECREASE
 from ..constants import MAX_STEPS
 from ..constants import SHORTEST
 from .derivatives import moves_by_constants
-from .polisher import polish
+from .polisher import Found
+from .polisher import fairest
 from .posed import takes_goals
 from .settings import PolishSettings
 
@@ -62,6 +63,7 @@ class _Here(NamedTuple):
 
     logs: FloatArray  # (k,) log of the constant over that drawn
     solution: Solution
+    evenness: float  # against the square root of the area
     missing: FloatArray  # (e,) values less those wanted, over the power of the size
 
     @property
@@ -107,8 +109,7 @@ class _Seeker:
     """Surfaces for ever other constants."""
 
     def __init__(self, problem: CGCProblem, settings: PolishSettings, callback: Callback):
-        # The branch that is followed shall not change for how evenly its curvature varies.
-        self.settings, self.callback = replace(settings, evenness=settings.evenness or 0.0), callback
+        self.settings, self.callback = settings, callback
         self.equations: list[Equation] = equations_for_constants(problem)
         self.size = math.sqrt(float(face_areas(problem.vertices, problem.faces).sum()))
         drawn = allowed(problem) if has_constants(problem) else guessed(problem)
@@ -130,7 +131,8 @@ class _Seeker:
         for _ in range(MAX_STEPS):
             if np.abs(here.missing).max() <= DRAWING_ACCURACY:
                 here = self._landed(here)
-                yield self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", here.solution.message]))
+                said = Found(here.solution, here.evenness).told(self.settings).message
+                yield self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", said]))
                 return
             after = self._stepped(here)
             if after is None:
@@ -146,16 +148,17 @@ class _Seeker:
     def _given_up(self, here: _Here) -> Solution:
         return self._ended(here, "stalled", f"the search for the unknown constants was given up: {self._reached(here)}")
 
-    def _at(self, logs: FloatArray, start: Optional[FloatArray]) -> _Here:
-        """Return the surface for logarithms of the constants (k,), from another (n, 3) if there is one."""
-        solution = polish(self._rising(logs), settings=self.settings, start=start, callback=self.callback)
+    def _at(self, logs: FloatArray, start: Optional[FloatArray], evenness: Optional[float]) -> _Here:
+        """Return the surface for logarithms of the constants (k,), from another (n, 3) if there is one, which then says how even it is."""
+        settings = replace(self.settings, evenness=evenness)
+        solution, evenness = fairest(self._rising(logs), settings, None if start is None else [start], self.callback)
         self.steps, self.seconds = self.steps + solution.iterations, self.seconds + solution.seconds
         if start is None and solution.branches:
             # The goals say which of several branches is sought, such as the dome or the bowl.
             nearest = min(solution.branches, key=lambda branch: float(np.linalg.norm(self._missing(branch.vertices))))
             if nearest is not solution.branches[0]:
-                return self._at(logs, nearest.vertices)
-        return _Here(logs, solution, self._missing(solution.vertices))
+                return self._at(logs, nearest.vertices, evenness)
+        return _Here(logs, solution, evenness, self._missing(solution.vertices))
 
     def _first(self) -> _Here:
         """Return a fair surface for the constants drawn, or for smaller ones if there is none; else the first that arrives."""
@@ -165,7 +168,7 @@ class _Seeker:
         tried: list[_Here] = []
         for halvings in range(FIRST):
             logs = np.maximum(np.full(len(self.unknown), math.log(factor) - halvings * LONGEST), self.bounds[0])
-            tried.append(self._at(logs, None))
+            tried.append(self._at(logs, None, self.settings.evenness))
             if tried[-1].solution.status == "cancelled" or tried[-1].solution.is_fair:
                 return tried[-1]
         return next((here for here in tried if here.solution.status == "converged"), tried[-1])
@@ -173,7 +176,7 @@ class _Seeker:
     def _change(self, here: _Here) -> tuple[FloatArray, list[FloatArray]]:
         """Return the changes of the logarithms (k,) by Newton's method, zero where goals do not depend on them, and the moves (n, 3)."""
         posed, V = self._rising(here.logs), here.solution.vertices
-        moves = moves_by_constants(posed, self.settings, V, self.numbers)
+        moves = moves_by_constants(posed, replace(self.settings, evenness=here.evenness), V, self.numbers)
         by_region = {number: moves[number] * constant for number, (_, constant) in zip(self.numbers, self._constants(posed))}
         by_log = [np.sum([by_region[region] for region in own.regions], axis=0) for own in self.unknown]
         J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
@@ -195,11 +198,16 @@ class _Seeker:
         change, by_log = self._change(here)
         vertices = here.solution.vertices + sum(part * move for part, move in zip(change, by_log))
         branches = tuple(one._replace(vertices=vertices) for one in here.solution.branches)  # the one that was followed
-        return _Here(here.logs + change, here.solution._replace(vertices=vertices, branches=branches), self._missing(vertices))
+        solution = here.solution._replace(vertices=vertices, branches=branches)
+        return here._replace(logs=here.logs + change, solution=solution, missing=self._missing(vertices))
 
     def _stepped(self, here: _Here) -> Optional[_Here]:
         """Return the surface after the first of ever shorter steps that comes nearer to the goals; None without any."""
         change, by_log = self._change(here)
+        responds = change.any()
+        if not responds:
+            # A rise does not depend on K where a support is the crown, until a larger one makes the surface rise above it.
+            change = np.clip(self.bounds[1] - here.logs, 0.0, LONGEST)
         if not change.any():
             return None
         V = here.solution.vertices
@@ -207,12 +215,13 @@ class _Seeker:
         before = math.inf
         while np.abs(change).max() >= SHORTEST * min(1.0, here.distance):
             start = V + sum(part * move for part, move in zip(change, by_log))
-            there = self._at(here.logs + change, start)
+            there = self._at(here.logs + change, start, here.evenness)
             if there.solution.status == "cancelled":
                 return there
             # Beyond a fair surface another may be as high, with folds.
             sound = there.solution.status == "converged" and (there.solution.is_fair or not here.solution.is_fair)
-            if sound and there.distance <= (1.0 - DECREASE) * here.distance:
+            nearer = there.distance <= (1.0 - DECREASE) * here.distance
+            if sound and (nearer or not (responds or np.isfinite(before))):
                 return there
             if sound and there.distance > STUCK * before and there.energy < here.energy:
                 return there  # on another branch, with less energy however short the step is
@@ -283,7 +292,7 @@ class _Seeker:
         stopped = here.logs[:, None] == self.bounds.T
         other = "or widen its bounds" if stopped.any() else f"or draw {name} with the other sign"
         mend = f"prescribe a value that is reached, {other}"
-        return f"no surface over these supports with {sign} meets the goals: {self._reached(here)}; {mend}"
+        return f"no surface over these supports with {sign} was found that meets the goals: {self._reached(here)}; {mend}"
 
 
 def _constant(law: Law) -> float:

@@ -65,7 +65,7 @@ from .starts import over_its_plate
 from .starts import saddles
 from .starts import starts
 
-__all__ = ["Posed", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
+__all__ = ["Found", "Posed", "fairest", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 
 # lengths of even curvature over √area that are tried where K̄ < 0; least bending first, then without branch points (docs/method.md)
 EVEN = (0.0, 0.55, 0.4)
@@ -145,17 +145,24 @@ def polish(
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} has no target; set the K̄ of its region"])
-    return _fairest(problem, settings or PolishSettings(), None if start is None else [start], callback).solution
+    settings = settings or PolishSettings()
+    return fairest(problem, settings, None if start is None else [start], callback).told(settings)
 
 
-class _Found(NamedTuple):
+class Found(NamedTuple):
     """A surface, and how evenly its curvature varies."""
 
     solution: Solution
     evenness: float  # against the square root of the area
 
+    def told(self, settings: PolishSettings) -> Solution:
+        """Return the surface; its message states the evenness where the settings do not."""
+        if not self.evenness or settings.evenness is not None:
+            return self.solution
+        return self.solution._replace(message=joined([self.solution.message, EVENLY.format(self.evenness)]))
 
-def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list[FloatArray]], callback: Callback) -> _Found:
+
+def fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list[FloatArray]] = None, callback: Callback = None) -> Found:
     """Return the first fair surface for ever more even curvature, the least first, else the least rough.
 
     Where the mesh is large this is settled on fewer and even triangles over the same drawing. Begun from surfaces (n, 3) of other targets
@@ -176,16 +183,14 @@ def _fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list
     return _evenly(problem, settings, tried, begun or [], callback)
 
 
-def _evenly(problem: CGCProblem, settings: PolishSettings, tried: tuple[float, ...], begun: list[FloatArray], callback: Callback) -> _Found:
+def _evenly(problem: CGCProblem, settings: PolishSettings, tried: tuple[float, ...], begun: list[FloatArray], callback: Callback) -> Found:
     """Return the first fair surface for one length of even curvature after another, else the least rough."""
-    found: list[_Found] = []
+    found: list[Found] = []
     for evenness, lifted in [(own, False) for own in tried] + [(own, True) for own in tried[1:2]]:
         solution = _least_energy(problem, replace(settings, evenness=evenness), begun, callback, lifted)
         if solution is None:
             break
-        if evenness and settings.evenness is None:
-            solution = solution._replace(message=joined([solution.message, EVENLY.format(evenness)]))
-        found.append(_Found(solution, evenness))
+        found.append(Found(solution, evenness))
         if solution.status == "cancelled" or solution.is_fair:
             return found[-1]
         if is_spent():

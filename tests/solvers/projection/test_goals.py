@@ -113,7 +113,9 @@ def test_of_two_regions_one_is_given():
 def test_a_rise_that_needs_k_of_the_other_sign_is_refused_with_the_range():
     result = solve(nine(12).with_targets(0.004), goals=[Rise(2.0)], unknown=[4])
     assert result.status == "infeasible" and not result.verdict.fair
-    assert re.search(r"with K > 0 meets the goals: for the rise 2 the surface reaches 3\.\d+ instead of 2", result.message), result.message
+    assert re.search(
+        r"with K > 0 was found that meets the goals: for the rise 2 the surface reaches 3\.\d+ instead of 2", result.message
+    ), result.message
 
 
 def test_without_goals_the_fairest_k_is_none():
