@@ -9,8 +9,6 @@ import numpy as np
 
 from ..discrete import _kernels
 from ..discrete.arrays import FloatArray
-from ..errors import Sentence
-from ..errors import scaled
 from ..meshing import boundary_loops
 from ..meshing.existence import is_plane_and_convex
 from .laws import types_of
@@ -49,13 +47,12 @@ def beyond_convex_plans(problem: CGCProblem, drawn: Optional[FloatArray] = None)
     totals = np.bincount(regions, targets * plan)
     for region, K in enumerate(problem.region_targets()):
         totals[region] = totals[region] if K is None else K * areas[region]
-    found: list[str] = []
+    found = []
     for region in np.flatnonzero(totals >= math.pi).tolist():
         own = regions == region
         loops = boundary_loops(F[own])
         bulges = (types_of(targets[own]) > 0).all() and (plan[own] > 0.0).all()
         if bulges and len(loops) == 1 and is_plane_and_convex(V[loops[0]] - (V[loops[0]] @ up)[:, None] * up):
             where = f"the convex plan of region {region}" if len(areas) > 1 else "this convex plan"
-            said = f"no surface over {where} has K = {math.pi / areas[region]:.4g} or more (set a smaller K, or draw creases)"
-            found.append(Sentence(said, [scaled(math.pi / float(totals[region]))]))
+            found.append(f"no surface over {where} has K = {math.pi / areas[region]:.4g} or more (set a smaller K, or draw creases)")
     return found

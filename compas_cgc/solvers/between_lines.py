@@ -20,7 +20,10 @@ from ..meshing.coarse_plan import cut_at_turns
 from ..meshing.creases import crease_paths
 from ..model.divided import line_edges
 from ..model.divided import with_short_lines
+from ..model.goals.binding import equations_for_constants
 from ..model.goals.binding import unknown_constants
+from ..model.goals.binding import unknown_regions
+from ..model.goals.guess import drawn_constant
 from ..model.goals.inequalities import Bound
 from ..model.measures import has_free_edges
 from ..model.measures import with_free_edges_held
@@ -33,10 +36,8 @@ from .coarse import Coarse
 from .coarse import laid_out_anew
 from .constants import CONVERGED
 from .constants import EVEN_VERTICES
+from .constants import LARGEST_FACTOR
 from .determined import missed_goal
-from .determined import numbers_of
-from .determined import numbers_on
-from .determined import with_numbers
 from .drawn_side import is_drawn_below
 from .polish.derivatives import moves_by_constants
 from .polish.polisher import polish
@@ -51,7 +52,7 @@ __all__ = ["between_lines", "moves_of_lines"]
 
 # points of a line per edge of the even triangles; vertices of the triangles are chosen among them, and a sixteenth is invisible
 PLACES = 16
-CORRECTIONS = 8  # corrections of goals [steps]; each leaves about a tenth of the residual, so eight reach the rounding level
+CORRECTIONS = 6  # corrections of K for goals [steps]; each leaves about a hundredth of the residual, so six reach the rounding level
 # successive fractions of the fold length and of K̄; one search at full K̄, and one by continuation from stiffer creases with less K̄
 WAYS = ((1.0, 1.0),), ((0.3, 0.5), (1.0, 0.8), (1.0, 1.0))
 
@@ -61,8 +62,8 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
 
     Towards a straight fixed edge one principal curvature is unbounded where K̄ > 0, and with it the bending energy. The lines are therefore
     found on a mesh of even triangles that does not depend on the given one, so that they rise alike on every mesh. The regions between them
-    are solved on the given mesh. For goals that determine unknown K, the numbers prescribed on the even triangles are corrected by the
-    secant method until the goals are met on the given mesh. If the callback cancels, the surface reached so far is returned.
+    are solved on the given mesh. Unknown K that goals determine are those for which this surface meets them. If the callback cancels, the
+    surface reached so far is returned.
 
     Parameters
     ----------
@@ -78,42 +79,61 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
     # Bounds that are met change nothing. Other goals need unknown K: creases that are pulled at single vertices snap between shapes.
     needed = [goal for goal in problem.goals if not isinstance(goal, Bound)] if unknown_constants(problem) else []
     asked = problem.with_goals(needed, add=False)
-    even = _on_even_triangles(asked)
-    if even is None and has_free_edges(problem):
+    lines = _lines_of(asked, settings, callback)
+    if lines is None or lines.status == "cancelled":
+        return lines
+    if needed:
+        between = _with_goals_met(asked, lines, choice, settings, callback)
+    else:
+        between = _between(lines, asked, choice, settings, callback)
+    return between if between is None or between.status == "cancelled" or missed_goal(problem, between) is None else None
+
+
+def _with_goals_met(
+    asked: CGCProblem, lines: Solution, choice: Choice, settings: Optional[Settings], callback: Callback
+) -> Optional[Solution]:
+    """Return the surface between the lines of its K whose K meets goals, from lines near them; the nearest if no K meets them.
+
+    On the even triangles lines snap by a little where K grows, so that some heights are left out. These are met between the nearest lines.
+
+    References
+    ----------
+    Broyden, doi:10.1090/S0025-5718-1965-0198670-6.
+    """
+    equations, unknown = equations_for_constants(asked), unknown_constants(asked)
+    guess = lines.with_found(asked).with_goals([], add=False)
+    moves = moves_of_lines(guess, unknown_regions(asked), settings)
+    if moves is None:
         return None
-    # A drawing without a plan bends on its own mesh.
-    posed, shown = (asked, callback) if even is None else (even.problem, even.shown(callback))
-    best: Optional[Solution] = None
-    wanted = numbers_of(asked)
-    numbers = wanted
-    before: Optional[tuple[FloatArray, FloatArray]] = None
-    for _ in range(CORRECTIONS):
-        bent = _bent(posed, settings, shown)
-        found = bent if even is None else even.carried(bent)
-        if found.status == "cancelled":
-            return found
-        between = None if found.status != "converged" else _between(found, problem, choice, settings, callback)
-        if between is None or between.status == "cancelled":
-            return between
-        met = missed_goal(asked, between) is None
-        # Once the goals are met, one more correction reduces their residual to rounding.
-        last = best is not None or missed_goal(asked, between, CONVERGED) is None
-        best = between if met else best
-        if last or wanted is None or numbers is None:
+    by_log = [sum(drawn_constant(guess, region) * moves[region] for region in constant.regions) for constant in unknown]
+    tried: list[tuple[float, CGCProblem, Solution]] = []
+    slopes, change, before = np.zeros((len(equations), len(unknown))), np.zeros(len(unknown)), np.zeros(len(equations))
+    solution: Optional[Solution] = None
+    for correction in range(2 * CORRECTIONS):
+        if correction == CORRECTIONS:
+            _, guess, lines = min(tried, key=lambda one: one[0])
+        elif correction < CORRECTIONS:
+            own = _lines_of(guess, settings, callback)
+            if own is None or own.status == "cancelled":
+                return own
+            lines = own
+        solution = _between(lines._replace(targets=guess.targets), guess, choice, settings, callback)
+        if solution is None or solution.status == "cancelled" or missed_goal(asked, solution, CONVERGED) is None:
             break
-        had = numbers_on(asked, between.vertices)
-        numbers, before = numbers + _gains(numbers, had, before) * (wanted - had), (numbers, had)
-        posed = with_numbers(bent.with_found(posed), numbers)
-    return best if best is not None and missed_goal(problem, best) is None else None
-
-
-def _gains(asked: FloatArray, had: FloatArray, before: Optional[tuple[FloatArray, FloatArray]]) -> FloatArray:
-    """Return the derivatives of the prescribed numbers by the measured ones (g,): 1 at first, then those of the secant."""
-    if before is None:
-        return np.ones(len(asked))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        gains = (asked - before[0]) / (had - before[1])
-    return np.where(np.isfinite(gains) & (gains > 0.0), gains, 1.0)
+        missing = np.array([equation.value(solution.vertices) - equation.wanted for equation in equations])
+        tried.append((float(np.linalg.norm(missing)), guess, lines))
+        if correction % CORRECTIONS:
+            slopes += np.outer(missing - before - slopes @ change, change) / float(change @ change)
+        else:
+            slopes = np.array([[float((own.gradient(solution.vertices) * move).sum()) for move in by_log] for own in equations])
+        change, before = -np.linalg.pinv(slopes) @ missing, missing
+        if not change.any():
+            break
+        change *= min(1.0, LARGEST_FACTOR / float(np.abs(change).max()))
+        factors = [math.exp(log) for log, constant in zip(change.tolist(), unknown) for _ in constant.regions]
+        regions = [region for constant in unknown for region in constant.regions]
+        guess = guess.with_targets({region: factor * drawn_constant(guess, region) for region, factor in zip(regions, factors)})
+    return solution
 
 
 def moves_of_lines(drawn: CGCProblem, regions: Sequence[int], settings: Optional[Settings] = None) -> Optional[dict[int, FloatArray]]:
@@ -173,6 +193,18 @@ def _bent(posed: CGCProblem, settings: Optional[Settings], callback: Callback) -
                 break
         ends += [last] if last is not None else []
     return min(ends, key=lambda one: one.branches[0].energy if one.branches else math.inf)
+
+
+def _lines_of(problem: CGCProblem, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
+    """Return the surface of least bending and folding, on even triangles, at the vertices of the drawing; None if there is none."""
+    even = _on_even_triangles(problem)
+    if even is None and has_free_edges(problem):
+        return None
+    # A drawing without a plan bends on its own mesh.
+    bent = _bent(problem, settings, callback) if even is None else _bent(even.problem, settings, even.shown(callback))
+    if bent.status not in ("converged", "cancelled"):
+        return None
+    return bent if even is None else even.carried(bent)
 
 
 def _between(

@@ -5,6 +5,8 @@ The local frame has its origin at the centroid of the drawing and unit size.
 
 from __future__ import annotations
 
+import math
+
 __all__ = [
     "ANGLE_ROUNDING",
     "ARMIJO",
@@ -17,6 +19,7 @@ __all__ = [
     "FACTORS",
     "GROUND",
     "KRYLOV",
+    "LARGEST_FACTOR",
     "LARGE_MESH",
     "LOCAL_ROUNDING",
     "LONGEST",
@@ -48,6 +51,7 @@ TWIN_ENERGIES = 1e-3  # relative difference of the energies of mirror twins; irr
 MAX_STEPS = 30  # steps or rounds of a search [steps]; bounds the time, as converging searches need fewer
 PATIENCE = 10  # steps in a row without sufficient gain that end a search [steps]; it may pass a vertex whose moves hardly change its angles
 LONGEST = 0.25  # longest move in a step relative to the size of the mesh; a quadratic model of a shape holds no farther
+LARGEST_FACTOR = math.log(2.0)  # largest change of the logarithm of a constant in a step; a factor of 2, which keeps its sign
 SHORTEST = 1e-3  # fraction of a step below which a line search fails; ten halvings, after which the direction is not one of descent
 ARMIJO = 1e-4  # fraction of the predicted decrease of a residual that a step has to bring; Nocedal and Wright, section 3.1
 DECREASE = 1e-2  # fraction of the predicted decrease of a merit function that a step has to bring; refuses steps that wander on flat merits

@@ -28,10 +28,8 @@ from ..model.result import Solution
 from ..model.tolerances import DRAWING_ACCURACY
 from .projection.limits import has_number
 from .projection.limits import number_had
-from .projection.limits import number_of
-from .projection.limits import with_number
 
-__all__ = ["determining", "held_to_goals", "missed_goal", "numbers_of", "numbers_on", "with_numbers"]
+__all__ = ["determining", "held_to_goals", "missed_goal"]
 
 MEND = "choose another K, or free a part of the rim"
 FIND = Sentence("let the solve determine K (unknown), ", [FOUND])
@@ -107,23 +105,6 @@ def missed_goal(problem: CGCProblem, solution: Solution, within: float = DRAWING
         if away > within:
             return _Missed(goal, _words(solution.with_found(problem), goal, solution.vertices, away * size))
     return None
-
-
-def numbers_of(problem: CGCProblem) -> Optional[FloatArray]:
-    """Return the numbers (g,) that goals prescribe, None if a goal other than an unknown K has no number."""
-    goals = [goal for goal in problem.goals if not isinstance(goal, Unknown)]
-    return np.array([number_of(goal) for goal in goals]) if all(map(has_number, goals)) else None
-
-
-def numbers_on(problem: CGCProblem, vertices: FloatArray) -> FloatArray:
-    """Return the numbers (g,) that goals prescribe, measured on a surface (n, 3)."""
-    return np.array([number_had(problem, goal, vertices) for goal in problem.goals if not isinstance(goal, Unknown)])
-
-
-def with_numbers(problem: CGCProblem, numbers: FloatArray) -> CGCProblem:
-    """Return a problem whose goals prescribe other numbers (g,)."""
-    left = iter(numbers.tolist())
-    return problem.with_goals([goal if isinstance(goal, Unknown) else with_number(goal, next(left)) for goal in problem.goals], add=False)
 
 
 def _away(problem: CGCProblem, vertices: FloatArray, size: float) -> float:

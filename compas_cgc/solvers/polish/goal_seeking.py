@@ -41,6 +41,7 @@ from ...model.result import Solution
 from ...model.tolerances import DRAWING_ACCURACY
 from ...model.tolerances import ROUNDING
 from ..constants import DECREASE
+from ..constants import LARGEST_FACTOR
 from ..constants import MAX_STEPS
 from ..constants import SHORTEST
 from .derivatives import moves_by_constants
@@ -53,7 +54,6 @@ __all__ = ["seek"]
 
 FIRST = 8  # halvings of drawn constants until a first surface is found; the last one is 256 times smaller, nearly a plate
 MOST_CURVED = 2.0 * math.pi  # largest total curvature of a guess [rad]; that of a half sphere, beyond which a cap has no plan
-LONGEST = math.log(2.0)  # largest change of the logarithm of a constant in a step; a factor of 2, which keeps its sign
 # distance from the goals over that after twice the step, above which the branch ends; on a branch the decrease follows the step
 STUCK = 0.9
 
@@ -167,7 +167,7 @@ class _Seeker:
         factor = GENTLE_TOTAL_CURVATURE / total if total > MOST_CURVED else 1.0
         tried: list[_Here] = []
         for halvings in range(FIRST):
-            logs = np.maximum(np.full(len(self.unknown), math.log(factor) - halvings * LONGEST), self.bounds[0])
+            logs = np.maximum(np.full(len(self.unknown), math.log(factor) - halvings * LARGEST_FACTOR), self.bounds[0])
             tried.append(self._at(logs, None, self.settings.evenness))
             if tried[-1].solution.status == "cancelled" or tried[-1].solution.is_fair:
                 return tried[-1]
@@ -207,11 +207,11 @@ class _Seeker:
         responds = change.any()
         if not responds:
             # A rise does not depend on K where a support is the crown, until a larger one makes the surface rise above it.
-            change = np.clip(self.bounds[1] - here.logs, 0.0, LONGEST)
+            change = np.clip(self.bounds[1] - here.logs, 0.0, LARGEST_FACTOR)
         if not change.any():
             return None
         V = here.solution.vertices
-        change *= min(1.0, LONGEST / float(np.abs(change).max()))
+        change *= min(1.0, LARGEST_FACTOR / float(np.abs(change).max()))
         before = math.inf
         while np.abs(change).max() >= SHORTEST * min(1.0, here.distance):
             start = V + sum(part * move for part, move in zip(change, by_log))
