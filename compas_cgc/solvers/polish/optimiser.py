@@ -249,7 +249,10 @@ def _search(
                 # A long step along a valley of the energy leaves the equations, so that without corrections steps would be short.
                 right = np.concatenate([np.zeros(lagrangian.size), (1.0 - length) * here.equations - there.equations])
                 products = lagrangian.products(there.met.values - (1.0 - length) * here.met.values, active)
-                move = move + saddle.roughly(right, products)[0][: lagrangian.size]
+                back = saddle.roughly(right, products)[0][: lagrangian.size]
+                if not float(np.abs(back[: lagrangian.moves]).max(initial=0.0)) <= LONGEST * size:
+                    break  # it leads farther than any step, and may overflow
+                move = move + back
                 there = lagrangian.moved(here, move)
         length /= 2
     return None
