@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
+from functools import partial
 from typing import NamedTuple
 from typing import Optional
 
@@ -19,8 +20,10 @@ from ..discrete.arrays import Mask
 from ..discrete.jacobian import CurvatureEquations
 from ..discrete.space_form import exact_equations
 from ..linalg import LinearSolver
+from ..linalg import SingularMatrixError
 from ..linalg import factorise
 from ..meshing.regions import inner_labels
+from ..solvers.constants import GROUND
 from ..solvers.projection.metric import bending_matrix
 from ..solvers.projection.metric import slope_jumps
 from .panelling import Panelling
@@ -208,8 +211,13 @@ class NormalMoves:
             + self._bending
             + jacobian.T @ sparse.diags(penalties) @ jacobian
         )
-        places = self.vertices[self.columns]
-        return _Linearised(factorise(matrix.tocsr(), symmetric=True, points=places, refine=False), jacobian, residual, areas, penalties)
+        solver = partial(factorise, symmetric=True, points=self.vertices[self.columns], refine=False)
+        try:
+            factor = solver(matrix.tocsr())
+        except SingularMatrixError:
+            # Beside cells that have almost no area all other stiffness is a rounding error.
+            factor = solver((matrix + GROUND * sparse.diags(matrix.diagonal())).tocsr())
+        return _Linearised(factor, jacobian, residual, areas, penalties)
 
 
 class _Linearised(NamedTuple):

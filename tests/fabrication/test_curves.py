@@ -273,11 +273,12 @@ def test_drawings_of_curves_are_in_millimetres(tmp_path):
     assert np.allclose([list(point) for point in first.points()], 304.8 * net.curves[0].points)
 
 
-def sphere() -> CGCProblem:
+def sphere(across: float = 1.0) -> CGCProblem:
+    """A cap of a sphere of radius 10, of a cylinder where it does not bend across."""
     vertices, faces = grid(8, 4.0)
     vertices[:, :2] -= 2.0
-    vertices[:, 2] = np.sqrt(100.0 - vertices[:, 0] ** 2 - vertices[:, 1] ** 2)
-    return CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.01)
+    vertices[:, 2] = np.sqrt(100.0 - vertices[:, 0] ** 2 - across * vertices[:, 1] ** 2)
+    return CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.01 * across)
 
 
 @pytest.mark.parametrize(
@@ -287,11 +288,12 @@ def sphere() -> CGCProblem:
         (lambda: curve_net(CGCProblem(*revolved_patch(8, 0.02)), 1.0), "no single target K"),
         (lambda: curve_net(sphere(), 1.0), "it is a sphere"),
         (lambda: curve_net(sphere(), 1.0, kind="asymptotic"), "no asymptotic curves: these need K < 0"),
+        (lambda: curve_net(sphere(0.0), 1.0, kind="asymptotic"), "no asymptotic curves: these need K < 0"),
         (lambda: curve_net(CGCProblem(*grid(6)).with_supports("boundary").with_targets(0.0), 0.1), "it is a plane"),
         (lambda: curve_net(patch(8, -0.02), through=[[0.0, 0.0]]), "with shape"),
         (lambda: curve_net(patch(8, -0.02), through=[[90.0, 0.0, 0.0]]), "the points lie on it"),
     ],
-    ids=["spacing", "target", "sphere", "no saddle", "plane", "points", "far away"],
+    ids=["spacing", "target", "sphere", "no saddle", "cylinder", "plane", "points", "far away"],
 )
 def test_what_cannot_be_traced_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(CGCError, match=sentence):
