@@ -29,6 +29,7 @@ from .grid_panels import grid_panels
 from .level_seams import level_seams
 from .panelling import Panelling
 from .quad_panels import quad_panels
+from .slivers import without_slivers
 from .spline_surface import SplineSurface
 from .streamlines import even_lines
 from .unwrapping import contiguous
@@ -113,7 +114,8 @@ def _between(design: Design, plane: Lengths, pieces: list[FloatArray], edge: flo
     if folds:
         closed = [np.concatenate([rim, rim[:1]]) for rim in rims]
         pieces = [*pieces, *continued(plane, folds, [*pieces, *closed], edge)]
-    return curve_panels(surface, rims, [_over_rim(plane, rims, piece, edge) for piece in pieces], edge)
+    pieces = [_over_rim(plane, rims, piece, edge) for piece in pieces]
+    return curve_panels(surface, rims, without_slivers(surface, plane, rims, pieces, folds), edge)
 
 
 def _faces(design: Design, edges: Optional[int]) -> Panelling:

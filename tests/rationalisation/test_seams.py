@@ -65,6 +65,24 @@ def test_a_grid_leaves_no_strips_beside_the_inner_sides_of_an_l(side):
     assert areas.min() > 0.2 and len(panelling.vertices) < 20 * panelling.panel_count
 
 
+@pytest.mark.parametrize("corner, count", [(0.1, 2), (3.0, 3)])
+def test_a_seam_that_only_cuts_a_sliver_off_is_left_out(corner, count):
+    design = read_design(mesh_over(heights, 10.0, 8.0, 0.5))
+
+    def line(*places):
+        t = np.linspace(0.0, 1.0, 30)[:, None]
+        x, y = ((1.0 - t) * places[0] + t * places[1]).T
+        return np.column_stack([x, y, heights(x, y)])
+
+    middle = line(np.array([5.0, 0.0]), np.array([5.0, 8.0]))
+    panelling = panels_of(design, None, None, [middle, line(np.array([0.0, 8.0 - corner]), np.array([corner, 8.0]))])
+    assert panelling.panel_count == count
+    # What is left of the seams is where it was drawn.
+    on = panelling.vertices[np.unique(panelling.seams)]
+    away = np.minimum(np.abs(on[:, 0] - 5.0), np.abs(on[:, 1] - on[:, 0] - 8.0 + corner) / np.sqrt(2.0))
+    assert away.max() < 1e-3
+
+
 def test_a_seam_away_from_the_design_is_refused_with_its_place():
     design = read_design(mesh_over(heights, 10.0, 8.0, 1.0))
     with pytest.raises(MeshError, match=r"a seam is .* away from the design at \(5, .*, 30\); draw it on the surface"):
