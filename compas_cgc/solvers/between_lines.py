@@ -106,12 +106,13 @@ def _with_goals_met(
     if moves is None:
         return None
     by_log = [sum(drawn_constant(guess, region) * moves[region] for region in constant.regions) for constant in unknown]
-    tried: list[tuple[float, CGCProblem, Solution]] = []
+    tried: list[tuple[float, CGCProblem, Solution, Solution]] = []
     slopes, change, before = np.zeros((len(equations), len(unknown))), np.zeros(len(unknown)), np.zeros(len(equations))
-    solution: Optional[Solution] = None
     for correction in range(2 * CORRECTIONS):
         if correction == CORRECTIONS:
-            _, guess, lines = min(tried, key=lambda one: one[0])
+            _, guess, lines, nearest = min(tried, key=lambda one: one[0])
+            if missed_goal(asked, nearest) is None:
+                break
         elif correction < CORRECTIONS:
             own = _lines_of(guess, settings, callback)
             if own is None or own.status == "cancelled":
@@ -119,9 +120,12 @@ def _with_goals_met(
             lines = own
         solution = _between(lines._replace(targets=guess.targets), guess, choice, settings, callback)
         if solution is None or solution.status == "cancelled" or missed_goal(asked, solution, CONVERGED) is None:
-            break
+            return solution
         missing = np.array([equation.value(solution.vertices) - equation.wanted for equation in equations])
-        tried.append((float(np.linalg.norm(missing)), guess, lines))
+        distance = float(np.linalg.norm(missing))
+        if correction > CORRECTIONS and distance >= float(np.linalg.norm(before)):
+            break  # heights of the lines themselves do not depend on K between them
+        tried.append((distance, guess, lines, solution))
         if correction % CORRECTIONS:
             slopes += np.outer(missing - before - slopes @ change, change) / float(change @ change)
         else:
@@ -133,7 +137,7 @@ def _with_goals_met(
         factors = [math.exp(log) for log, constant in zip(change.tolist(), unknown) for _ in constant.regions]
         regions = [region for constant in unknown for region in constant.regions]
         guess = guess.with_targets({region: factor * drawn_constant(guess, region) for region, factor in zip(regions, factors)})
-    return solution
+    return min(tried, key=lambda one: one[0])[3]
 
 
 def moves_of_lines(drawn: CGCProblem, regions: Sequence[int], settings: Optional[Settings] = None) -> Optional[dict[int, FloatArray]]:

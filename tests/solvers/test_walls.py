@@ -82,6 +82,19 @@ def test_goals_are_met_by_the_k_for_which_a_solve_meets_them(outline, walls, cre
 
 
 @pytest.mark.nightly
+def test_a_height_of_a_free_edge_is_met_from_any_k():
+    """Between the lines of one K such a height does not depend on K."""
+    problem = roof(CANOPY, (0,), 0.004, 0.7)
+    vertex = nearest(problem, (6.0, 6.0))
+    first, second = (solve(problem, targets=K, goals=[Height([vertex], 0.8)], unknown="all") for K in (0.004, 0.01))
+    for found in (first, second):
+        assert found.verdict.fair and found.method == "newton" and found.vertices[vertex, 2] == pytest.approx(0.8, rel=1e-4)
+        again = solve(problem, targets=found.problem.targets)
+        assert again.vertices[vertex, 2] == pytest.approx(0.8, rel=0.01)
+    assert first.problem.region_targets()[0] == pytest.approx(second.problem.region_targets()[0], rel=0.02)
+
+
+@pytest.mark.nightly
 def test_a_height_that_snapping_lines_leave_out_is_met_between_the_nearest_lines():
     problem = roof(CANOPY, (0,), 0.005, 0.7)
     vertex = nearest(problem, (6.0, 3.0))
