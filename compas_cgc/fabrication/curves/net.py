@@ -376,7 +376,7 @@ def _why(field: DirectionField, kind: int, size: float) -> str:
         return ": it is a sphere, so any curve can be used"
     S = field.operators[np.unique(field.faces)]
     squares = np.einsum("fij,fij->f", S, S)
-    if kind == ASYMPTOTIC and np.median((np.trace(S, axis1=1, axis2=2) ** 2 - squares) / squares) > -PLANAR_RATIO:
+    if kind == ASYMPTOTIC and np.median(np.trace(S, axis1=1, axis2=2) ** 2 - (1.0 - PLANAR_RATIO) * squares) > 0.0:
         return ": these need K < 0"
     return "; check that it is solved and that the points lie on it"
 

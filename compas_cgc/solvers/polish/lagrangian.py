@@ -111,7 +111,8 @@ class Lagrangian:
         self.cells: FloatArray = (mesh.incidence @ areas)[self.rows]
         self.scales = law.scales(float(areas.sum()))  # that the residuals of the laws are compared with (r,)
         self.kept: FloatArray = np.zeros(mesh.unknowns)  # second derivatives of the energy that keeps the drawing (u,)
-        self.bent_as: FloatArray = np.zeros((len(mesh.faces), 6))  # shape operators of faces that cost no bending
+        # what shape operators that cost no bending take from its derivatives by tensors (m, 6), and add to those by areas (m,)
+        self._spared: tuple[FloatArray, FloatArray] = np.zeros((len(mesh.faces), 6)), np.zeros(len(mesh.faces))
         self.folded_as: FloatArray = np.zeros(len(mesh.angles.folds))  # folds of crease edges that cost nothing (c,) [rad]
         self.pattern = Pattern(self) if pattern is None else pattern.copied()
         # It is of fourth order in the length of edges, so that it vanishes under refinement, and it removes oscillations that bending
@@ -207,7 +208,8 @@ class Lagrangian:
         other.kept[:n] *= importance**2
         drawn = np.append(np.zeros(n), even_angles(self.mesh, self.drawing))
         operators = self.mesh.at(self.drawing, drawn[n:])
-        other.bent_as, other.folded_as = operators.tensors / operators.areas[:, None], self.folds(drawn)
+        bent_as = operators.tensors / operators.areas[:, None]
+        other._spared, other.folded_as = (2.0 * OCCURRENCES * bent_as, bent_as**2 @ OCCURRENCES), self.folds(drawn)
         return other
 
     def evener(self, evenness: float) -> Lagrangian:
@@ -305,11 +307,6 @@ class Lagrangian:
         whole[: len(self.drawing)] += state.met.slopes.T @ forces
         np.add.at(whole, self.conditions.vertices, pressed[:, None] * state.met.place_slopes)
         return np.asarray(whole[self.free], dtype=np.float64)
-
-    @property
-    def _spared(self) -> tuple[FloatArray, FloatArray]:
-        """What shape operators that cost no bending take from its derivatives by tensors (m, 6), and add to those by areas (m,)."""
-        return 2.0 * OCCURRENCES * self.bent_as, self.bent_as**2 @ OCCURRENCES
 
     def _stresses(self, own: ShapeOperators) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the derivatives of bending and of unevenness by the tensors of faces (m, 6), and minus those of unevenness by areas."""

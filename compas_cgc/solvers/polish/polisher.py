@@ -162,7 +162,7 @@ class Found(NamedTuple):
         return self.solution._replace(message=joined([self.solution.message, EVENLY.format(self.evenness)]))
 
 
-def fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list[FloatArray]] = None, callback: Callback = None) -> Found:
+def fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list[FloatArray]], callback: Callback) -> Found:
     """Return the first fair surface for ever more even curvature, the least first, else the least rough.
 
     Where the mesh is large this is settled on fewer and even triangles over the same drawing. Begun from surfaces (n, 3) of other targets
