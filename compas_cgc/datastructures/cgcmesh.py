@@ -62,6 +62,8 @@ from .construction import checked_faces
 from .construction import evaluated
 from .construction import meshed_outline
 from .construction import said_of_the_mesh
+from .drawn_shape import drawn_shape
+from .drawn_shape import origin_from
 from .joining import join
 from .joining import weld
 from .parts import drop_from_goals
@@ -478,6 +480,17 @@ class CGCMesh(Mesh):
         mesh = super().copy(cls, copy_guid)
         if isinstance(mesh, CGCMesh):
             mesh.origin = self.origin
+        return mesh
+
+    @property
+    def __data__(self) -> dict:
+        drawn = drawn_shape(self)
+        return {**super().__data__, **({} if drawn is None else {"drawn": drawn})}
+
+    @classmethod
+    def __from_data__(cls, data: dict) -> CGCMesh:
+        mesh = super().__from_data__(data)
+        mesh.origin = origin_from(mesh, data.get("drawn"))
         return mesh
 
     # ------------------------------------------------------------------

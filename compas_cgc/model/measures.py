@@ -39,6 +39,7 @@ __all__ = [
     "inward_supports",
     "is_held_all_round",
     "is_held_along_edges",
+    "known_measure",
     "measure_of",
     "measured_curvature",
     "measured_mean_curvature",
@@ -48,6 +49,11 @@ __all__ = [
 ]
 
 MID_EDGE = "mid-edge"
+
+
+def known_measure(name: object) -> str:
+    """Return the name of a measure that was read from a file, empty if there is none of that name."""
+    return str(name) if name in ("defect", "smooth", *EXACT, MID_EDGE) else ""
 
 
 def measure_of(problem: CGCProblem) -> str:

@@ -430,15 +430,23 @@ class CGCProblem:
 
     @property
     def drawn(self) -> Optional[CGCProblem]:
-        """The problem on the originally drawn vertices; None unless only the targets have changed since the solve."""
+        """The problem on the originally drawn vertices; None where more than the targets has changed since the solve."""
         if self.origin is None:
             return None
         was, now = self.origin.drawn, self
         same = np.array_equal(self.origin.vertices, now.vertices) and was.goals == now.goals
         same = same and all(np.array_equal(getattr(was, name), getattr(now, name)) for name in ("faces", "roles", "creases"))
-        if not same or (np.array_equal(was.targets, now.targets, equal_nan=True) and was.laws == now.laws):
-            return None
-        return replace(self, vertices=was.vertices, origin=None)
+        return replace(self, vertices=was.vertices, origin=None) if same else None
+
+    def drawn_as(self, vertices: ArrayLike, measure: str = "") -> CGCProblem:
+        """Return the problem of a surface with the drawing (n, 3) that it was found for [L], and the measure in which it has its K.
+
+        Raises
+        ------
+        ValueError
+            If the shape is wrong.
+        """
+        return replace(self, origin=Origin(replace(self.with_vertices(vertices), origin=None), self.vertices, measure))
 
     @property
     def asked(self) -> NDArray[np.bool_]:

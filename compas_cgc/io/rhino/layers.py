@@ -23,6 +23,7 @@ from .user_text import user_law
 
 __all__ = [
     "CURVES",
+    "DRAWN",
     "FORCES",
     "MOULDS",
     "NURBS",
@@ -39,7 +40,8 @@ __all__ = [
 
 RESULT, RATIONALISED, NURBS = "CGC Result", "CGC Rationalised", "CGC::NURBS"
 CURVES, FORCES, MOULDS, PATTERNS, QUADS = "CGC Curves", "CGC Membrane", "CGC Moulds", "CGC Patterns", "CGC Quads"
-_WRITTEN = (RESULT, RATIONALISED, NURBS, CURVES, FORCES, MOULDS, PATTERNS, QUADS)
+DRAWN = "Drawn"  # sublayer with the drawing that a mesh was found for
+_WRITTEN = (RESULT, RATIONALISED, NURBS, CURVES, FORCES, MOULDS, PATTERNS, QUADS, f"CGC::{DRAWN}")
 _SURFACES = ("Brep", "Extrusion", "SubD", "Surface", "NurbsSurface", "RevSurface", "PlaneSurface", "SumSurface")
 _POINTS = ("point", "point cloud")
 
@@ -170,6 +172,7 @@ class Selection(NamedTuple):
     outlines: list[Item]  # boundary and holes of a mesh to be generated
     regions: list[Item]  # regions of an earlier result, with its targets
     notes: list[str]
+    drawn: list[Item] = []  # the drawing that the mesh was found for
 
 
 def select(items: list[Item], names: LayerNames, result: bool = False) -> Selection:
@@ -183,9 +186,13 @@ def select(items: list[Item], names: LayerNames, result: bool = False) -> Select
     if earlier:
         wanted = ("Mesh", "Supports", "Creases", "Constraints", "Goals")
         mesh, supports, creases, constraints, goals = ([item for item in given if item.layer == f"{RESULT}::{part}"] for part in wanted)
-        return Selection(mesh, supports, creases, [], constraints, goals, [], regions, notes)
+        return Selection(mesh, supports, creases, [], constraints, goals, [], regions, notes, _drawn(items, RESULT))
     selected = _by_layer(given, role, regions, names) if any(role[item.id] for item in given) else _by_kind(given, regions)
-    return selected._replace(notes=[*notes, *selected.notes])
+    return selected._replace(notes=[*notes, *selected.notes], drawn=_drawn(items, "CGC"))
+
+
+def _drawn(items: list[Item], parent: str) -> list[Item]:
+    return [item for item in items if item.layer == f"{parent}::{DRAWN}" and item.kind == "mesh"]
 
 
 def drawing_or_result(items: list[Item], names: LayerNames, result: bool = False) -> tuple[list[Item], bool, list[str]]:

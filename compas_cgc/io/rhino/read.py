@@ -26,6 +26,7 @@ from .layers import LayerNames
 from .layers import layer_names
 from .layers import select
 from .meshes import has_mesh
+from .meshes import mesh_to_arrays
 from .meshes import to_part
 from .outlines import outline_part
 from .sketch import Drawn
@@ -34,6 +35,7 @@ from .surfaces import default_edge_length
 from .surfaces import surface_part
 from .units import north_of
 from .units import unit_name
+from .user_text import drawn_from
 from .user_text import user_law
 from .user_text import user_number
 
@@ -108,7 +110,7 @@ def read_3dm(
             # The creases are edges of the mesh now, cut at the outline.
             found = found._replace(creases=[])
         joints = [joint for made in converted for joint in made.creases]
-        return assemble(
+        read = assemble(
             name=Path(path).stem,
             parts=[made.part for made in converted],
             supports=lambda fine: _drawn(found.supports, fine),
@@ -123,6 +125,10 @@ def read_3dm(
             notes=found.notes + [note for made in converted for note in made.notes],
             north=north_of(archive),
         )
+        if len(found.drawn) == 1:
+            (item,) = found.drawn
+            read = read._replace(problem=drawn_from(read.problem, *mesh_to_arrays(item.geometry), item.text))
+        return read
     except FileError as error:
         raise FileError(f"{path}: {error}") from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import re
@@ -12,6 +13,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
 from ...model.constraint_data import constraint_data
 from ...model.constraint_data import constraint_of
 from ...model.constraints import Constraint
@@ -19,6 +21,7 @@ from ...model.constraints import check_indices
 from ...model.laws import ConstantCurvature
 from ...model.laws import Law
 from ...model.laws import as_law
+from ...model.measures import known_measure
 from ...model.problem import CGCProblem
 
 __all__ = [
@@ -26,6 +29,8 @@ __all__ = [
     "VERTEX_KEY",
     "constraint_text",
     "dot_law",
+    "drawn_from",
+    "drawn_text",
     "text_constraints",
     "user_law",
     "user_number",
@@ -37,6 +42,8 @@ __all__ = [
 # constraints that cannot be drawn.
 VERTEX_KEY = "cgc vertices"
 GOALS_KEY = "cgc goals"
+# On the drawing that a mesh was found for: the digest of that mesh, which changes when it is edited.
+FOUND_KEY = "cgc found"
 
 _NUMBER = r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?"
 _NAMED = re.compile(rf"^\s*(?:k|target)\s*[=:]\s*({_NUMBER})\s*$", re.IGNORECASE | re.MULTILINE)
@@ -142,3 +149,22 @@ def text_constraints(text: Mapping[str, str], n: int) -> tuple[Constraint, ...]:
     constraints = tuple(constraint_of(item) for item in found["goals"])
     check_indices(constraints, n)
     return constraints
+
+
+def drawn_text(problem: CGCProblem) -> dict[str, str]:
+    """Return user text of the drawing that the surface of a problem was found for."""
+    measure = problem.origin.measure if problem.origin is not None else ""
+    return {FOUND_KEY: _digest(problem), **({"measure": measure} if measure else {})}
+
+
+def drawn_from(problem: CGCProblem, vertices: FloatArray, faces: IntArray, text: Mapping[str, str]) -> CGCProblem:
+    """Return the problem of a surface with the drawing (n, 3), (m, 4) that it was found for [L], without it if either was edited since."""
+    same = text.get(FOUND_KEY) == _digest(problem) and vertices.shape == problem.vertices.shape
+    if not same or not np.array_equal(faces[:, :3], problem.faces) or not np.isfinite(vertices).all():
+        return problem
+    return problem.drawn_as(vertices, known_measure(text.get("measure")))
+
+
+def _digest(problem: CGCProblem) -> str:
+    # Negative zeros are lost in text formats and equal in all others.
+    return hashlib.sha256((problem.vertices + 0.0).tobytes() + problem.faces.tobytes()).hexdigest()

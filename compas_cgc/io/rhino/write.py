@@ -33,6 +33,7 @@ from .archive import rhino3dm_module
 from .archive import write_archive
 from .goals import drawn_goal
 from .goals import find_goals
+from .layers import DRAWN
 from .meshes import mesh_from_arrays
 from .sketch import Drawn
 from .snapping import as_drawn
@@ -41,6 +42,7 @@ from .snapping import snap_distance
 from .units import set_north
 from .units import unit_system
 from .user_text import constraint_text
+from .user_text import drawn_text
 from .user_text import vertex_text
 
 __all__ = ["LayerWriter", "draw_problem", "new_archive", "write_problem"]
@@ -183,7 +185,7 @@ def new_archive(problem: CGCProblem) -> Archive:
 
 
 def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Mesh, text: Optional[dict[str, str]] = None) -> None:
-    """Draw a mesh, supports as points, creases as polylines and constraints on the sublayers of `parent`.
+    """Draw a mesh, supports as points, creases as polylines and constraints on the sublayers of `parent`, and the drawing of a result.
 
     The user text of the mesh is `text` and the data of the problem that cannot be drawn.
     """
@@ -191,6 +193,10 @@ def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Me
     texts = {**(text or {}), **vertex_text(problem), **constraint_text(others, len(problem.vertices))}
     on_mesh = writer.layer(f"{parent}::Mesh", (120, 120, 120))
     writer.mesh(mesh, writer.attributes(on_mesh, problem.drawing.name, texts))
+    earlier = problem.drawn
+    if earlier is not None:
+        on_drawn = writer.layer(f"{parent}::{DRAWN}", (150, 150, 150), visible=False)
+        writer.mesh(mesh_from_arrays(earlier.vertices, earlier.faces), writer.attributes(on_drawn, "drawn", drawn_text(problem)))
     on_supports = writer.layer(f"{parent}::Supports", (200, 30, 30))
     writer.points(problem.vertices[problem.supports], writer.attributes(on_supports))
     on_creases = writer.layer(f"{parent}::Creases", (20, 60, 160))
