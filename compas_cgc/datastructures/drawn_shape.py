@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 from typing import Optional
 
@@ -27,7 +26,7 @@ def drawn_shape(mesh: CGCMesh) -> Optional[dict]:
         drawn = mesh.to_problem().drawn
     except CGCError:
         return None
-    return None if drawn is None else {"vertices": drawn.vertices.tolist(), "measure": origin.measure}
+    return None if drawn is None else {"vertices": drawn.vertices.tolist(), "measure": origin.measure, "evenness": origin.evenness}
 
 
 def origin_from(mesh: CGCMesh, data: object) -> Optional[Origin]:
@@ -41,9 +40,10 @@ def origin_from(mesh: CGCMesh, data: object) -> Optional[Origin]:
     if data is None:
         return None
     try:
-        vertices = np.array(data["vertices"], dtype=np.float64) if isinstance(data, Mapping) else np.empty(0)
-    except (KeyError, TypeError, ValueError):
-        vertices = np.empty(0)
-    if vertices.shape != (len(mesh.vertex), 3) or not np.isfinite(vertices).all():
+        vertices, evenness = np.array(data["vertices"], dtype=np.float64), float(data.get("evenness", 0.0))  # type: ignore[index,attr-defined]
+        measure = known_measure(data.get("measure"))  # type: ignore[attr-defined]
+    except (AttributeError, KeyError, TypeError, ValueError):
+        vertices, measure, evenness = np.empty(0), "", 0.0
+    if vertices.shape != (len(mesh.vertex), 3) or not np.isfinite([*vertices.flat, evenness]).all() or evenness < 0.0:
         raise ValueError(f"the drawn shape must have 3 finite coordinates for each of {len(mesh.vertex)} vertices; leave 'drawn' out")
-    return mesh.to_problem().drawn_as(vertices, known_measure(data["measure"] if "measure" in data else "")).origin  # type: ignore[index,operator]
+    return mesh.to_problem().drawn_as(vertices, measure, evenness).origin

@@ -22,7 +22,6 @@ from ..meshing import Diagnostic
 from ..model.goals.wholes import Unknown
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
-from ..model.problem import Origin
 from ..model.result import FAILED
 from ..model.result import Branch
 from ..model.result import History
@@ -89,6 +88,8 @@ class SolveResult:
         ``(n, 3)`` vertices before the solve [L]; None if unknown.
     measure
         Measure of K in the errors: ``mid-edge``, ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
+    evenness
+        Length over which the method ``bending`` made the curvature vary evenly, relative to the square root of the area; 0: not at all.
     turned
         Number of faces that differ from the input: edges of triangles too slender for K < 0 were flipped.
     branches
@@ -117,6 +118,7 @@ class SolveResult:
     remarks: tuple[Diagnostic, ...] = ()
     start: Optional[FloatArray] = None
     measure: str = "defect"
+    evenness: float = 0.0
     turned: int = 0
     branches: tuple[Branch, ...] = ()
 
@@ -138,7 +140,7 @@ class SolveResult:
             problem, drawn = replace(problem, faces=solution.faces), None
         before = problem.without_dummies()
         surface = solution.vertices[problem.roles != DUMMY]
-        real = replace(before, vertices=surface, origin=Origin(replace(before, origin=None), surface, solution.measure))
+        real = replace(before, vertices=surface).drawn_as(before.vertices, solution.measure, solution.evenness)
         made = cls(
             real,
             *solution[1:8],
@@ -147,6 +149,7 @@ class SolveResult:
             remarks=tuple(remarks),
             start=before.vertices,
             measure=solution.measure,
+            evenness=solution.evenness,
             turned=turned,
             branches=solution.branches,
         )
@@ -242,6 +245,7 @@ class SolveResult:
         words = {
             "method": self.method,
             "measure": self.measure,
+            "evenness": self.evenness,
             "settings": None if self.settings is None else self.settings.to_dict(),
             "status": self.status,
             "verdict": self.verdict.to_dict(),

@@ -86,6 +86,7 @@ class Origin(NamedTuple):
     drawn: CGCProblem  # the problem as drawn, with its targets
     vertices: FloatArray  # (n, 3) vertices of the solution [L]
     measure: str = ""  # in which it has its K, empty if unknown
+    evenness: float = 0.0  # length over which curvature was made to vary evenly, relative to the square root of the area
 
 
 class PosesProblem(Protocol):
@@ -438,15 +439,15 @@ class CGCProblem:
         same = same and all(np.array_equal(getattr(was, name), getattr(now, name)) for name in ("faces", "roles", "creases"))
         return replace(self, vertices=was.vertices, origin=None) if same else None
 
-    def drawn_as(self, vertices: ArrayLike, measure: str = "") -> CGCProblem:
-        """Return the problem of a surface with the drawing (n, 3) that it was found for [L], and the measure in which it has its K.
+    def drawn_as(self, vertices: ArrayLike, measure: str = "", evenness: float = 0.0) -> CGCProblem:
+        """Return the problem of a surface with the drawing (n, 3) that it was found for [L], and how: see :class:`Origin`.
 
         Raises
         ------
         ValueError
             If the shape is wrong.
         """
-        return replace(self, origin=Origin(replace(self.with_vertices(vertices), origin=None), self.vertices, measure))
+        return replace(self, origin=Origin(replace(self.with_vertices(vertices), origin=None), self.vertices, measure, evenness))
 
     @property
     def asked(self) -> NDArray[np.bool_]:

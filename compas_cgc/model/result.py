@@ -82,6 +82,7 @@ class Solution(NamedTuple):
     faces: Optional[IntArray] = None  # (m, 3) if edges were flipped, None if they are those of the problem
     branches: tuple[Branch, ...] = ()  # that were found, the one returned first
     laws: Optional[Mapping[int, Law]] = None  # by region including solved unknowns, None if all were given
+    evenness: float = 0.0  # length over which curvature was made to vary evenly, relative to the square root of the area
 
     @property
     def is_fair(self) -> bool:

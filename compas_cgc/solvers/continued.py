@@ -64,6 +64,9 @@ def solved_on(
         if unknown_constants(drawn) or not _of_same_types(problem, before):
             # From a dome no way leads to a saddle.
             return None
+        if problem.origin is not None and problem.origin.evenness:
+            # From a surface of even curvature a way leads to others of least bending than from the drawing.
+            return None
         solution = polish(drawn, settings=own, start=problem.vertices, callback=callback)  # type: ignore[arg-type]
     elif first.method == "projection" and not first.options and not tears_faces(drawn):
         if (problem.types < 0).any() or (before.types < 0).any():

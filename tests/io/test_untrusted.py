@@ -58,6 +58,10 @@ HOSTILE = {
         "contain an object of type 'os/system'",
     ),
     "bases.json": (json.dumps({"dtype": f"{FOREIGN}/X", "inheritance": ["os/_Environ"], "data": {}}), "it holds X and no mesh"),
+    "drawn.json": (
+        CGCMesh.from_meshgrid(dx=1, nx=1).to_jsonstring().replace('"data": {', '"data": {"drawn": {"vertices": [[0, 0]]}, ', 1),
+        "drawn shape must have 3 finite",
+    ),
     "no_coordinate.json": (CGCMesh.from_meshgrid(dx=1, nx=1).to_jsonstring().replace('"z": 0.0, ', "", 2), "'z' is missing"),
 }
 

@@ -7,7 +7,9 @@ import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc import Rise
+from compas_cgc import read
 from compas_cgc import solve
+from compas_cgc import write
 
 
 def roof(n: int = 10) -> CGCMesh:
@@ -48,9 +50,24 @@ def test_a_slider_of_a_result_goes_on_and_comes_back(go_on):
     assert np.abs(back.vertices - first.vertices).max() < 1e-6
 
 
+def test_a_result_solved_again_is_the_result_and_another_K_gives_what_the_drawing_does(tmp_path):
+    """Its plan is that of the drawing: the mean normal of a surface on one wall is inclined."""
+    canopy = CGCMesh.from_meshgrid(dx=2.0, nx=8, dy=1.0, ny=4)
+    canopy.set_supports(range(0, 9 * 5, 5))
+    canopy.set_target(0.3)
+    result, other = solve(canopy), solve(canopy, targets=0.2)
+    assert result.verdict.fair and np.ptp(result.vertices[::5, 2]) == 0.0 < np.ptp(result.vertices[:, 2])
+    files = [tmp_path / "roof.json", tmp_path / "roof.3dm"]
+    for file in files:
+        write(file, result)
+    for again in (result, *map(read, files)):
+        assert np.array_equal(again.to_problem().drawn.vertices, canopy.to_problem().vertices)
+    assert np.abs(solve(again).vertices - result.vertices).max() < 1e-9
+    assert np.abs(solve(again, targets=0.2).vertices - other.vertices).max() < 1e-3
+
+
 def test_what_is_changed_otherwise_is_a_new_drawing():
     found = solve(roof())
-    assert found.problem.drawn is None, "nothing is changed"
     other = found.problem.with_targets(1.2)
     assert np.array_equal(other.drawn.vertices, found.start) and other.drawn.drawn is None
     moved = found.vertices.copy()
@@ -78,6 +95,21 @@ def test_a_saddle_does_not_depend_on_what_was_found_before(creases):
     mesh.set_target(-0.02)
     there = solve(solve(mesh), targets=-0.0212)
     assert there.converged and np.abs(there.vertices - solve(mesh, targets=-0.0212).vertices).max() < 1e-6
+
+
+def test_from_a_surface_of_even_curvature_another_K_is_that_of_the_drawing(tmp_path):
+    """Least bending, from where such a surface leads to, is none that the drawing leads to."""
+    mesh = CGCMesh.from_meshgrid(dx=2.0, nx=10)
+    mesh.set_supports([2, 9, 87, 116, 88])
+    mesh.set_target(-0.02)
+    even = solve(mesh)
+    assert even.verdict.fair and even.evenness == even.problem.origin.evenness == 0.55
+    cold = solve(mesh, targets=-0.05).vertices
+    files = [tmp_path / "roof.json", tmp_path / "roof.3dm"]
+    for file in files:
+        write(file, even)
+    for again in (even, *map(read, files)):
+        assert np.array_equal(solve(again).vertices, even.vertices) and np.array_equal(solve(again, targets=-0.05).vertices, cold)
 
 
 def test_over_a_fixed_edge_the_drawing_is_solved_by_newtons_method():

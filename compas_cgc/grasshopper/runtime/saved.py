@@ -84,6 +84,7 @@ def _arrays(problem: CGCProblem, prefix: str = "") -> dict[str, Any]:
         "laws": {region: str(law) for region, law in problem.laws.items()},
         "drawing": problem.drawing._asdict(),
         "measure": None if problem.origin is None else problem.origin.measure,
+        "evenness": 0.0 if problem.origin is None else problem.origin.evenness,
     }
     made = {name: getattr(problem, name) for name in COLUMNS}
     made.update(vertex_names=problem.names.vertices, face_names=problem.names.faces, data=np.array(json.dumps(data)))
@@ -100,7 +101,7 @@ def _problem(arrays: Mapping[str, Any], prefix: str = "") -> CGCProblem:
     north = tuple(data["drawing"].pop("north", Drawing().north))
     origin = None
     if data["measure"] is not None:
-        origin = Origin(_problem(arrays, f"{prefix}drawn."), arrays[f"{prefix}found"], data["measure"])
+        origin = Origin(_problem(arrays, f"{prefix}drawn."), arrays[f"{prefix}found"], data["measure"], data.get("evenness", 0.0))
     return CGCProblem(
         **{name: arrays[prefix + name] for name in COLUMNS},
         goals=tuple(data["goals"]),

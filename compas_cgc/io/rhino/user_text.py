@@ -23,6 +23,7 @@ from ...model.laws import Law
 from ...model.laws import as_law
 from ...model.measures import known_measure
 from ...model.problem import CGCProblem
+from ...model.problem import Origin
 
 __all__ = [
     "GOALS_KEY",
@@ -153,8 +154,8 @@ def text_constraints(text: Mapping[str, str], n: int) -> tuple[Constraint, ...]:
 
 def drawn_text(problem: CGCProblem) -> dict[str, str]:
     """Return user text of the drawing that the surface of a problem was found for."""
-    measure = problem.origin.measure if problem.origin is not None else ""
-    return {FOUND_KEY: _digest(problem), **({"measure": measure} if measure else {})}
+    _, _, measure, evenness = problem.origin or Origin(problem, problem.vertices)
+    return {FOUND_KEY: _digest(problem), **({"measure": measure} if measure else {}), **({"evenness": repr(evenness)} if evenness else {})}
 
 
 def drawn_from(problem: CGCProblem, vertices: FloatArray, faces: IntArray, text: Mapping[str, str]) -> CGCProblem:
@@ -162,7 +163,7 @@ def drawn_from(problem: CGCProblem, vertices: FloatArray, faces: IntArray, text:
     same = text.get(FOUND_KEY) == _digest(problem) and vertices.shape == problem.vertices.shape
     if not same or not np.array_equal(faces[:, :3], problem.faces) or not np.isfinite(vertices).all():
         return problem
-    return problem.drawn_as(vertices, known_measure(text.get("measure")))
+    return problem.drawn_as(vertices, known_measure(text.get("measure")), max(user_number(text, "evenness") or 0.0, 0.0))
 
 
 def _digest(problem: CGCProblem) -> str:

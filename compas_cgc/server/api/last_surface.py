@@ -65,4 +65,5 @@ def gone_on(problem: CGCProblem, last: Optional[LastSurface]) -> CGCProblem:
         return problem
     before = replace(problem, targets=np.full(len(problem.vertices), np.nan)).with_targets(last.targets)
     on = replace(problem, vertices=last.vertices, origin=Origin(before, last.vertices))
-    return problem if on.drawn is None else on
+    same = np.array_equal(before.targets, problem.targets, equal_nan=True)
+    return problem if same or on.drawn is None else on

@@ -98,8 +98,8 @@ _HISTORY = {
     "properties": {name: {"type": "array", "items": PLAIN[bool] if name == "accepted" else NUMBER} for name in History._fields},
 }
 _RESULT = _object(
-    "status message ending iterations seconds max_error method measure vertices faces turned roles targets curvature creases history "
-    "report",
+    "status message ending iterations seconds max_error method measure evenness vertices faces turned roles targets curvature creases "
+    "history report",
     status={"enum": list(STATUSES)},
     message={**PLAIN[str], "description": "verdict, surface and ending; if K was not reached, the reason"},
     ending={**PLAIN[str], "description": "how the method ended"},
@@ -108,6 +108,10 @@ _RESULT = _object(
     max_error={**NUMBER, "description": "largest residual of K in the equations of the method; that of the surface is in report [1/L^2]"},
     method=PLAIN[str],
     measure=PLAIN[str],
+    evenness={
+        **PLAIN[float],
+        "description": "length over which the curvature varies evenly, relative to the square root of the area",
+    },
     vertices=_rows(PLAIN[float], "the surface (n, 3) [L]"),
     faces=_rows(PLAIN[int], "(m, 3)"),
     turned={**PLAIN[int], "description": "number of faces changed by flipping overstretched edges for K < 0"},

@@ -27,7 +27,7 @@ from ..errors import Unprocessable
 __all__ = ["NO_SURFACE", "pack_problem", "pack_result", "unpack_problem", "unpack_result"]
 
 NO_SURFACE = "this job has no solved surface; give the id of a solve"
-WORDS = ("status", "message", "ending", "iterations", "seconds", "max_error", "method", "measure")
+WORDS = ("status", "message", "ending", "iterations", "seconds", "max_error", "method", "measure", "evenness")
 
 
 def pack_problem(problem: CGCProblem) -> bytes:
@@ -62,10 +62,13 @@ def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
     arrays, words = _unpack(content)
     history = History(*(arrays[f"history_{name}"] for name in History._fields))
     settings = _settings_of(words.get("settings"))
-    # Results of older versions have no `measure` and no `ending`.
+    # Results of older versions have no `measure`, no `evenness` and no `ending`.
     fields = {"ending": words["message"], **{word: words[word] for word in WORDS if word in words and word != "message"}}
-    more = {"settings": settings, "start": arrays.get("start"), "turned": words.get("turned", 0)}
-    result = SolveResult(_problem_of(arrays, words), **fields, history=history, **more)
+    start, problem = arrays.get("start"), _problem_of(arrays, words)
+    if start is not None and start.shape == problem.vertices.shape:
+        problem = problem.drawn_as(start, words.get("measure", ""), words.get("evenness", 0.0))
+    more = {"settings": settings, "start": start, "turned": words.get("turned", 0)}
+    result = SolveResult(problem, **fields, history=history, **more)
     result.__dict__["message"] = words["message"]
     return result, words["report"]
 

@@ -265,6 +265,7 @@ class _Seeker:
             targets=posed.targets,
             laws=posed.laws,
             verdict=judged,
+            evenness=here.evenness,
         )
 
     def _names(self) -> str:

@@ -157,9 +157,8 @@ class Found(NamedTuple):
 
     def told(self, settings: PolishSettings) -> Solution:
         """Return the surface; its message states the evenness where the settings do not."""
-        if not self.evenness or settings.evenness is not None:
-            return self.solution
-        return self.solution._replace(message=joined([self.solution.message, EVENLY.format(self.evenness)]))
+        said = [EVENLY.format(self.evenness)] if self.evenness and settings.evenness is None else []
+        return self.solution._replace(message=joined([self.solution.message, *said]), evenness=self.evenness)
 
 
 def fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list[FloatArray]], callback: Callback) -> Found:

@@ -179,7 +179,7 @@ def test_the_input_is_kept_and_the_result_stands_beside_it(handed_over, tmp_path
     assert site.GetUserString("plan") == "A1" and any(str(e.Attributes.Id) == tree for e in found["Site::Trees"])
 
     parts = {layer.split("::")[1]: entries for layer, entries in found.items() if layer.startswith("CGC Result")}
-    assert set(parts) - {"Rough"} == {"Mesh", "Regions", "Supports", "Creases", "Curvature", "Error", "Report"}
+    assert set(parts) - {"Rough"} == {"Mesh", "Drawn", "Regions", "Supports", "Creases", "Curvature", "Error", "Report"}
     vertices, faces = result.mesh.arrays()
     drawn, solved = (read_3dm(out, result=own) for own in (False, True))
     assert np.ptp(drawn.problem.vertices[:, 2]) == 0.0 < np.ptp(solved.problem.vertices[:, 2])
@@ -302,6 +302,18 @@ def test_a_result_alone_is_the_next_input(tmp_path):
     assert back.vertices_role() == result.mesh.vertices_role() and back.region_target(1) == 0.02
     K = gaussian_curvature(*back.arrays())
     assert np.array_equal(K, gaussian_curvature(*result.mesh.arrays()), equal_nan=True)
+
+
+def test_a_result_that_was_edited_in_rhino_is_a_drawing(tmp_path):
+    result, path = solve(problem()), str(tmp_path / "a.3dm")
+    write_result(path, result)
+    assert np.array_equal(read_3dm(path).problem.drawn.vertices, result.start)
+    file, found = objects(path)
+    (solved,) = found["CGC Result::Mesh"]
+    moved = solved.Geometry.Vertices[22]
+    solved.Geometry.Vertices[22] = rhino3dm.Point3f(moved.X, moved.Y, moved.Z + 0.5)
+    file.Write(path, 7)
+    assert read_3dm(path).problem.origin is None
 
 
 @pytest.mark.parametrize("damage", ["replace", "Write"])

@@ -117,7 +117,7 @@ export class Solving {
   /** Return the last surface as an initial guess, if the request differs only by its targets. */
   last(request) {
     const { result, solved } = this;
-    const leads = result?.report.verdict?.fair && !result.faces && !solved.unknown;
+    const leads = result?.report.verdict?.fair && !result.faces && !result.evenness && !solved.unknown;
     if (!leads || !isSameBut(request, solved)) return {};
     return { last: { vertices: pack(result.xyz, 'f8', [result.xyz.length / 3, 3]), targets: solved.targets } };
   }
