@@ -436,7 +436,8 @@ class CGCProblem:
             return None
         was, now = self.origin.drawn, self
         same = np.array_equal(self.origin.vertices, now.vertices) and was.goals == now.goals
-        same = same and all(np.array_equal(getattr(was, name), getattr(now, name)) for name in ("faces", "roles", "creases"))
+        same = same and all(np.array_equal(getattr(was, name), getattr(now, name)) for name in ("faces", "roles"))
+        same = same and np.array_equal(_unordered(was.creases), _unordered(now.creases))
         return replace(self, vertices=was.vertices, origin=None) if same else None
 
     def drawn_as(self, vertices: ArrayLike, measure: str = "", evenness: float = 0.0) -> CGCProblem:
@@ -616,6 +617,11 @@ def _edges(creases: ArrayLike, n: int) -> IntArray:
     if wrong.size:
         raise ValueError(f"a crease names vertex {wrong[0]}, but the mesh has vertices 0 to {n - 1}; correct the crease")
     return edges
+
+
+def _unordered(edges: IntArray) -> IntArray:
+    """Return edges (c, 2) in an order that does not depend on the one given, as meshes do not keep it."""
+    return np.unique(np.sort(edges, axis=1), axis=0)
 
 
 def _column(values: ArrayLike, n: int, name: str) -> FloatArray:
