@@ -81,7 +81,7 @@ class Patterns:
         domes = self._one_side()
         tried = [domes + self.saddles[:, None] * one for one in self._circle]
         energies = np.array([self.energy(x) for x in tried])
-        if np.ptp(energies) <= DRAWING_ACCURACY * energies.mean():
+        if np.ptp(energies) <= DRAWING_ACCURACY * abs(energies.mean()):
             return [tried[0], tried[DIRECTIONS // 4]]
         lowest = np.flatnonzero((energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1)))
         return [tried[k] for k in lowest[np.argsort(energies[lowest], kind="stable")]]
@@ -127,9 +127,10 @@ class Patterns:
     def _best(self, tried: list[FloatArray]) -> list[FloatArray]:
         """Return different patterns by increasing energy."""
         order = sorted(tried, key=self.energy)
-        least = self.energy(order[0])
+        # Rounding may make the energy of a plate that hardly bends negative.
+        limit = max(DEAREST * self.energy(order[0]), self.energy(order[0]))
         found: list[FloatArray] = []
         for x in order:
-            if self.energy(x) <= DEAREST * least and not any(np.allclose(x, other) for other in found):
+            if self.energy(x) <= limit and not any(np.allclose(x, other) for other in found):
                 found.append(x)
         return found[:MOST]

@@ -24,6 +24,15 @@ def test_domes_alone_go_to_one_side_and_then_to_the_other():
     assert first[:, 0].tolist() == [-1.0, -1.0] and np.array_equal(second, -first)
 
 
+@pytest.mark.parametrize("count", [1, 2])
+def test_rounding_errors_of_the_energy_leave_patterns_of_a_plate_that_hardly_bends(count):
+    saddles = np.ones(count, bool)
+    gram = 1e-20 * np.eye(3 * count).reshape(count, 3, count, 3)
+    energies = Patterns(gram, np.zeros((count, 3)), -1e-15, ~saddles, saddles, 1.0)
+    found = energies.found()
+    assert found and all(energies.energy(one) < 0.0 for one in found)
+
+
 def test_the_least_energy_of_a_dome_between_two_saddles_is_found():
     """Compared with all sides and all pairs of directions."""
     random = np.random.default_rng(5)
