@@ -8,6 +8,7 @@ from typing import Optional
 import numpy as np
 from scipy import sparse
 from scipy.interpolate import BSpline
+from scipy.spatial import ConvexHull
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -27,6 +28,7 @@ FIRST_SPANS, MAX_SPANS = 8, 128  # of the spline along the longer side
 LEAST_AROUND = 6  # spans around a closed direction, so that harmonics of second order are distinct
 STIFFNESS = 1e-9  # of the bending of a spline, against deviations, where data leave it open
 STEEPEST = 0.1  # least cosine between a face and the plane, about 84 degrees
+SMALLER = 0.99  # area of a rectangle around the plan over that along x, below which it is used; those of round plans differ by less
 STEEP, STEEP_PART = 0.33, 0.1  # cosine of faces that the plane shows a third as long, and the part of the surface that may be steeper
 
 
@@ -65,13 +67,28 @@ def chart_of(vertices: FloatArray, faces: IntArray) -> Optional[Chart]:
         if number and float(area[sound][unit @ normal < STEEP].sum()) > STEEP_PART * float(area.sum()):
             continue
         if number == 0:
-            side = np.array([1.0, 0.0, 0.0])
+            side = _along_rectangle(vertices[np.unique(faces), :2])
         else:
             level = np.cross(up, normal)
             side = level if np.linalg.norm(level) > 1e-6 else np.array([1.0, 0.0, 0.0])
         side = side / np.linalg.norm(side)
         return Chart(np.zeros(3), np.array([side, np.cross(normal, side), normal]))
     return None
+
+
+def _along_rectangle(plan: FloatArray) -> FloatArray:
+    """Return the horizontal direction (3,) nearest to x of a side of the smallest rectangle around points (k, 2), x if none is smaller.
+
+    Designs that are rotated in plan then have the same surface, and the same seams along their sides.
+    """
+    hull = plan[ConvexHull(plan).vertices]
+    sides = np.roll(hull, -1, axis=0) - hull
+    angles = np.arctan2(sides[:, 1], sides[:, 0])
+    angles = np.append(0.0, angles - 0.5 * np.pi * np.round(angles / (0.5 * np.pi)))
+    along = np.column_stack([np.cos(angles), np.sin(angles)])
+    areas = np.ptp(hull @ along.T, axis=0) * np.ptp(hull @ np.column_stack([-along[:, 1], along[:, 0]]).T, axis=0)
+    best = int(np.argmin(areas)) if areas.min() < SMALLER * areas[0] else 0
+    return np.array([*along[best], 0.0])
 
 
 def fitted_surface(

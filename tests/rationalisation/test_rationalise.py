@@ -311,9 +311,12 @@ def test_a_cancelled_search_returns_the_best_so_far():
     assert len(states) == 2
 
 
-def test_the_same_design_gives_the_same_result_in_other_units_and_places():
+@pytest.mark.parametrize("turn", [0.0, 0.6, -0.5])
+def test_the_same_design_gives_the_same_result_in_other_units_places_and_directions(turn):
+    """The grid of panels follows the sides of the plan."""
     vertices, faces = DESIGN
-    other = compas_cgc.rationalise((1000.0 * vertices + [5e5, -3e5, 2e4], faces), panel=2000.0, edges=4, moulds=3)
+    along = np.array([[np.cos(turn), np.sin(turn), 0.0], [-np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    other = compas_cgc.rationalise((1000.0 * vertices @ along + [5e5, -3e5, 2e4], faces), panel=2000.0, edges=4, moulds=3)
     assert other.classes.tolist() == found().classes.tolist()
     assert other.distance.largest == pytest.approx(1000.0 * found().distance.largest, rel=1e-4)
 
