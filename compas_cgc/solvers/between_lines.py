@@ -278,7 +278,8 @@ def _lines(problem: CGCProblem, plan: FloatArray) -> list[Indices]:
     edges = edge_faces(problem.faces)
     rim = edges[edges[:, 3] < 0, :2]
     held = problem.roles == FIXED
-    loose = np.vstack([problem.creases, rim[~held[rim].all(axis=1)]])
+    # Creases may run along the rim.
+    loose = np.unique(np.sort(np.vstack([problem.creases, rim[~held[rim].all(axis=1)]]), axis=1), axis=0)
     return [part for path in crease_paths(map(tuple, loose.tolist())) for part in cut_at_turns(plan, np.array(path), held)]
 
 

@@ -55,6 +55,18 @@ def test_a_roof_on_walls_is_fair_and_as_high_on_every_mesh(outline, walls, K, cr
     assert heights[0] == pytest.approx(heights[1], rel=0.01)
 
 
+def test_a_crease_that_goes_on_along_the_rim_changes_nothing():
+    mesh = CGCMesh.from_meshgrid(dx=8.0, nx=8, dy=6.0, ny=6)
+    mesh.set_supports(range(0, 9 * 7, 7))
+    mesh.set_target(0.01)
+    across, along = list(range(28, 35)), [41, 48]
+    found = []
+    for path in (across, across + along):
+        mesh.set_creases([path])
+        found.append(solve(mesh).vertices)
+    assert np.array_equal(*found)
+
+
 @pytest.mark.nightly
 def test_it_rises_evenly_with_K():
     """On the way from the plate single vertices of the free edges snap through for some K: 1 to 3 % lower than for those beside."""
