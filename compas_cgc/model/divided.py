@@ -76,7 +76,7 @@ def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     targets = np.where(counted, problem.targets[edges], 0.0).sum(axis=1) / counted.sum(axis=1)
     return CGCProblem(
         np.vstack([V, V[edges].mean(axis=1)]),
-        halved_faces(problem.faces, edges, n),
+        halved_faces(problem.faces, edges, n, V),
         np.concatenate([problem.roles, roles]),
         np.concatenate([problem.targets, targets]),
         creases=creases,
