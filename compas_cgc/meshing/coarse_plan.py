@@ -82,7 +82,8 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     around, along = (_segments(plan, own, kept | ends, step) for own in (rim, lines))
     paths = [*around, *along]
     chosen = np.unique(np.concatenate([*paths, np.flatnonzero(kept)]))
-    lattice = _lattice(plan[np.unique(faces)], direction, step)
+    own = plan[np.unique(faces)]
+    lattice = _symmetric_lattice(own, step) if anew else _lattice(own, direction, step)
     inner = _inner_points(plan, lattice, np.vstack([rim, lines]), chosen, step)
     within, weights = located(inner, plan, faces, step)
     inner, weights, within = inner[within >= 0], weights[within >= 0], within[within >= 0]
@@ -193,6 +194,18 @@ def _lattice(plan: FloatArray, direction: float, step: float) -> FloatArray:
     return (low + extent * np.column_stack([row.ravel(), column.ravel()])) @ axes
 
 
+def _symmetric_lattice(plan: FloatArray, step: float) -> FloatArray:
+    """Return the points (p, 2) of a triangular lattice with rows along x in the rectangle around a plan (n, 2), symmetric as that is.
+
+    A plan that is symmetric about an axis then gets a symmetric mesh, and symmetric surfaces.
+    """
+    low, extent = plan.min(axis=0), np.ptp(plan, axis=0)
+    across, up = max(1, round(extent[0] / step)), 2 * max(1, round(extent[1] / (np.sqrt(3.0) * step)))
+    full, between = np.linspace(0.0, 1.0, across + 1), (np.arange(across) + 0.5) / across
+    rows = [np.column_stack([own, np.full(len(own), k / up)]) for k in range(up + 1) for own in [between if k % 2 else full]]
+    return np.asarray(low + extent * np.vstack(rows))
+
+
 def _direction(plan: FloatArray, edges: Edges) -> float:
     """Return the prevailing direction of edges modulo 60 degrees [rad]."""
     return float(np.angle(_turned(plan, edges, 6))) / 6.0
@@ -209,13 +222,13 @@ def _turned(plan: FloatArray, edges: Edges, folds: int) -> complex:
 def _frame(plan: FloatArray, rim: Edges, lines: Edges, edges: Edges) -> FloatArray:
     """Return axes (2, 2) in which a plan is the same however it is turned, and mirrored as the fine mesh in it is.
 
-    The first one is a direction that prevails among rim and lines, of multiples of 60 degrees, or of 30 where those at right angles
-    cancel, the one nearest to what prevails modulo 180 degrees, if need be among all edges.
+    The first one is a direction that prevails among rim and lines modulo 180 degrees, which is along or across an axis of symmetry. Where
+    directions cancel it is one that prevails modulo 90 or else 60 degrees, the nearest to what prevails among all edges.
     """
     outer = np.vstack([rim, lines])
-    sixfold, twofold = _turned(plan, outer, 6), _turned(plan, outer, 2) or _turned(plan, edges, 2)
-    angle = float(np.angle(sixfold)) / 6.0 if sixfold else float(np.angle(_turned(plan, outer, 12))) / 12.0
-    angle += np.pi / 3.0 * round((float(np.angle(twofold)) / 2.0 - angle) / (np.pi / 3.0))
+    folds = next((own for own in (2, 4) if _turned(plan, outer, own)), 6)
+    angle, turn = float(np.angle(_turned(plan, outer, folds))) / folds, 2.0 * np.pi / folds
+    angle += turn * round((float(np.angle(_turned(plan, edges, 2))) / 2.0 - angle) / turn) if folds > 2 else 0.0
     hand = np.copysign(1.0, (_turned(plan, edges, 6) * np.exp(-6j * angle)).imag)
     return np.array([[np.cos(angle), -hand * np.sin(angle)], [np.sin(angle), hand * np.cos(angle)]])
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from compas_cgc import CGCMesh
 from compas_cgc.discrete import edge_faces
 from compas_cgc.meshing.carry_over import CarryOver
 from compas_cgc.meshing.coarse_plan import coarse_plan
+from compas_cgc.model.divided import with_short_lines
+from compas_cgc.solvers.coarse import laid_out_anew
 
 from ..support import shapes
 
@@ -109,3 +112,29 @@ def test_a_straight_rim_with_rounding_has_coarser_meshes_too():
     for step in np.linspace(0.6, 2.5, 30):
         found = coarse_plan(np.ascontiguousarray(vertices[:, :2]), faces, *none, step)
         assert found is None or (edge_faces(found.faces)[:, 3] < 0).any()
+
+
+OUTLINES = {
+    "rectangle": ((0.0, 0.0), (9.0, 0.0), (9.0, 5.0), (0.0, 5.0)),
+    "square": ((0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)),
+    "trapezoid": ((0.0, 0.0), (10.0, 0.0), (8.0, 5.0), (2.0, 5.0)),
+    "kite": ((0.0, 0.0), (3.0, 4.0), (0.0, 6.0), (-3.0, 4.0)),
+    "T": ((0.0, 0.0), (3.0, 0.0), (3.0, 4.0), (6.0, 4.0), (6.0, 6.0), (-3.0, 6.0), (-3.0, 4.0), (0.0, 4.0)),
+}
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4])
+@pytest.mark.parametrize("name", OUTLINES)
+def test_a_symmetric_plan_is_laid_out_anew_symmetrically(name, turn):
+    """Whatever its direction, and although its own triangles are not symmetric."""
+    along = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    problem = CGCMesh.from_outline(np.array(OUTLINES[name]) @ along, edge_length=0.5).to_problem()
+    laid = laid_out_anew(with_short_lines(problem.with_supports("corners").with_targets(0.01), 0.02), 600)
+    assert laid is not None
+    places = laid.problem.vertices[:, :2] @ along.T
+    middle = (places[:, 0].min() + places[:, 0].max()) / 2
+    away, partners = cKDTree(places).query(places * [-1.0, 1.0] + [2 * middle, 0.0])
+    assert away.max() < 1e-9
+    faces = laid.problem.faces
+    unlike = {tuple(face) for face in np.sort(faces, axis=1).tolist()} ^ {tuple(face) for face in np.sort(partners[faces], axis=1).tolist()}
+    assert len(unlike) <= 0.02 * len(faces), "only cocircular vertices on the axis have no symmetric triangles"

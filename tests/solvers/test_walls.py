@@ -55,6 +55,18 @@ def test_a_roof_on_walls_is_fair_and_as_high_on_every_mesh(outline, walls, K, cr
     assert heights[0] == pytest.approx(heights[1], rel=0.01)
 
 
+def test_edges_of_a_symmetric_roof_are_symmetric_on_triangles_that_are_not():
+    """All diagonals of this mesh have one direction."""
+    mesh = CGCMesh.from_meshgrid(dx=12.0, nx=16, dy=6.0, ny=8)
+    mesh.set_supports(range(0, 17 * 9, 9))
+    mesh.set_target(0.01)
+    found = solve(mesh)
+    z = found.vertices[:, 2].reshape(17, 9)
+    assert found.verdict.fair and np.ptp(z) > 2.0
+    assert np.abs(z - z[::-1])[:, -1].max() < 1e-4 > np.abs(z[0] - z[-1]).max()
+    assert np.abs(z - z[::-1]).max() < 0.01 * np.ptp(z)
+
+
 def test_a_crease_that_goes_on_along_the_rim_changes_nothing():
     mesh = CGCMesh.from_meshgrid(dx=8.0, nx=8, dy=6.0, ny=6)
     mesh.set_supports(range(0, 9 * 7, 7))
