@@ -47,7 +47,9 @@ class CoarsePlan(NamedTuple):
     lines: Edges  # (d, 2) the lines in vertices of the coarse mesh
 
 
-def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: float, anew: bool = False) -> Optional[CoarsePlan]:
+def coarse_plan(
+    plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: float, anew: bool = False, symmetric: bool = False
+) -> Optional[CoarsePlan]:
     """Return a mesh of the same plan with nearly uniform edge lengths.
 
     On the boundary and other lines some of the vertices are kept, always those in `kept` and those where a line turns or
@@ -68,6 +70,9 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     anew
         Lay the lattice out along the boundary and the lines, not along the edges of the fine mesh, so that it moves with the plan.
 
+    symmetric
+        With `anew`, lay it out as symmetrically as the plan is; for rims of short edges.
+
     Returns
     -------
     CoarsePlan or None
@@ -75,7 +80,7 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     """
     edges = edge_faces(faces)
     rim = edges[edges[:, 3] < 0, :2]
-    axes = _frame(plan, rim, lines, edges[:, :2]) if anew else np.eye(2)
+    axes = (_symmetric_frame if symmetric else _frame)(plan, rim, lines, edges[:, :2]) if anew else np.eye(2)
     direction, mirrored = 0.0 if anew else _direction(plan, edges[:, :2]), bool(np.linalg.det(axes) < 0.0)
     plan, faces = plan @ axes, faces[:, ::-1] if mirrored else faces
     ends = _ends(len(plan), rim, lines)
@@ -83,7 +88,7 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     paths = [*around, *along]
     chosen = np.unique(np.concatenate([*paths, np.flatnonzero(kept)]))
     own = plan[np.unique(faces)]
-    lattice = _symmetric_lattice(own, step) if anew else _lattice(own, direction, step)
+    lattice = _symmetric_lattice(own, step) if symmetric else _lattice(own, direction, step)
     inner = _inner_points(plan, lattice, np.vstack([rim, lines]), chosen, step)
     within, weights = located(inner, plan, faces, step)
     inner, weights, within = inner[within >= 0], weights[within >= 0], within[within >= 0]
@@ -222,13 +227,31 @@ def _turned(plan: FloatArray, edges: Edges, folds: int) -> complex:
 def _frame(plan: FloatArray, rim: Edges, lines: Edges, edges: Edges) -> FloatArray:
     """Return axes (2, 2) in which a plan is the same however it is turned, and mirrored as the fine mesh in it is.
 
-    The first one is a direction that prevails among rim and lines modulo 180 degrees, which is along or across an axis of symmetry. Where
-    directions cancel it is one that prevails modulo 90 or else 60 degrees, the nearest to what prevails among all edges.
+    The first one is a direction that prevails among rim and lines, of multiples of 60 degrees, or of 30 where those at right angles
+    cancel, the one nearest to what prevails modulo 180 degrees, if need be among all edges.
+    """
+    outer = np.vstack([rim, lines])
+    sixfold, twofold = _turned(plan, outer, 6), _turned(plan, outer, 2) or _turned(plan, edges, 2)
+    angle = float(np.angle(sixfold)) / 6.0 if sixfold else float(np.angle(_turned(plan, outer, 12))) / 12.0
+    angle += np.pi / 3.0 * round((float(np.angle(twofold)) / 2.0 - angle) / (np.pi / 3.0))
+    return _handed(plan, edges, angle)
+
+
+def _symmetric_frame(plan: FloatArray, rim: Edges, lines: Edges, edges: Edges) -> FloatArray:
+    """Return axes (2, 2) as :func:`_frame` does, along and across an axis of symmetry where a plan has one.
+
+    The first one is a direction that prevails among rim and lines modulo 180 degrees. Where directions cancel it is one that prevails
+    modulo 90 or else 60 degrees, the nearest to what prevails among all edges.
     """
     outer = np.vstack([rim, lines])
     folds = next((own for own in (2, 4) if _turned(plan, outer, own)), 6)
     angle, turn = float(np.angle(_turned(plan, outer, folds))) / folds, 2.0 * np.pi / folds
     angle += turn * round((float(np.angle(_turned(plan, edges, 2))) / 2.0 - angle) / turn) if folds > 2 else 0.0
+    return _handed(plan, edges, angle)
+
+
+def _handed(plan: FloatArray, edges: Edges, angle: float) -> FloatArray:
+    """Return axes (2, 2) of which the first one has a direction, mirrored as the edges in them are."""
     hand = np.copysign(1.0, (_turned(plan, edges, 6) * np.exp(-6j * angle)).imag)
     return np.array([[np.cos(angle), -hand * np.sin(angle)], [np.sin(angle), hand * np.cos(angle)]])
 

@@ -269,7 +269,7 @@ def _on_even_triangles(problem: CGCProblem) -> Optional[_Even]:
     if float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).sum()) > EVEN_VERTICES * step:
         return None
     fine = with_short_lines(problem, step / PLACES)
-    even = laid_out_anew(fine, EVEN_VERTICES)
+    even = laid_out_anew(fine, EVEN_VERTICES, symmetric=True)
     return None if even is None else _Even(problem, fine, even)
 
 

@@ -134,12 +134,15 @@ def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
     return _laid_out(problem, count, LARGEST, True)
 
 
-def laid_out_anew(problem: CGCProblem, count: int) -> Optional[Coarse]:
-    """Return a problem as :func:`coarsened` does, but of as many vertices as are wanted, and with equilateral faces in plan."""
-    return _laid_out(problem, count, math.inf, False)
+def laid_out_anew(problem: CGCProblem, count: int, symmetric: bool = False) -> Optional[Coarse]:
+    """Return a problem as :func:`coarsened` does, but of as many vertices as are wanted, and with equilateral faces in plan.
+
+    These are as symmetric as the plan if that is asked for, which takes short edges along the rim.
+    """
+    return _laid_out(problem, count, math.inf, False, symmetric)
 
 
-def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) -> Optional[Coarse]:
+def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool, symmetric: bool = False) -> Optional[Coarse]:
     """Return a problem on another mesh, with faces as stretched as those of the drawing or with equilateral ones."""
     V, F = problem.vertices, problem.faces
     kinds = (PositionConstraint, Fixed, Proximity, Bound, Whole, Unknown)
@@ -157,7 +160,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = 0.5 * float((side[:, 0] * other[:, 1] - side[:, 1] * other[:, 0]).sum())
     step = math.sqrt(area / count * 2.0 / math.sqrt(3.0))
-    found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step, anew=not stretched)
+    found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step, anew=not stretched, symmetric=symmetric)
     if found is None or len(found.kept) + len(found.within) > largest * len(V):
         return None
     paths = [own.vertices for own in problem.goals if isinstance(own, Length)]

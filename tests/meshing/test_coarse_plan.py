@@ -129,7 +129,7 @@ def test_a_symmetric_plan_is_laid_out_anew_symmetrically(name, turn):
     """Whatever its direction, and although its own triangles are not symmetric."""
     along = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     problem = CGCMesh.from_outline(np.array(OUTLINES[name]) @ along, edge_length=0.5).to_problem()
-    laid = laid_out_anew(with_short_lines(problem.with_supports("corners").with_targets(0.01), 0.02), 600)
+    laid = laid_out_anew(with_short_lines(problem.with_supports("corners").with_targets(0.01), 0.02), 600, symmetric=True)
     assert laid is not None
     places = laid.problem.vertices[:, :2] @ along.T
     middle = (places[:, 0].min() + places[:, 0].max()) / 2

@@ -57,15 +57,19 @@ def ways_from_coarse(
         Parameters.
     """
     # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
-    coarse = None
-    if system.keep != "shape" and settings.measure in (AUTO, "smooth") and _is_irregular_saddle(system, equations):
+    coarse, free = None, system.keep != "shape"
+    irregular = free and settings.measure in (AUTO, "smooth", *EXACT) and _is_irregular_saddle(system, equations)
+    if irregular and settings.measure in EXACT:
+        # Triangles too slender to slide are laid out anew.
+        coarse = laid_out_anew(problem, min(COARSE_VERTICES, max(EVEN_VERTICES, len(problem.vertices))))
+    elif irregular:
         last: Optional[Taken] = None
         for last in _from_even(problem, system, equations, settings):
             yield last._replace(settled=False)
         # The plain way may be gone as well, and lead to a surface that is fair where this one is not.
         if last is not None and last.settled and _is_fair(problem, last.vertices):
             yield last
-    elif system.keep != "shape" and len(system.columns) >= LARGE_MESH:
+    elif free and len(system.columns) >= LARGE_MESH:
         coarse = coarsened(problem, COARSE_VERTICES)
     if coarse is None:
         yield from ways(system, equations, start, settings, False)
