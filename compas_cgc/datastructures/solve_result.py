@@ -20,6 +20,7 @@ from ..errors import find_attribute
 from ..errors import names_what_was_meant
 from ..meshing import Diagnostic
 from ..model.goals.wholes import Unknown
+from ..model.measures import MAX_MEASURE_DRIFT
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.result import FAILED
@@ -46,9 +47,6 @@ INSTEAD = {
 def _of_the_mesh(name: str) -> str:
     """Return what to use instead of an attribute that a result does not have."""
     return INSTEAD.get(name) or (f"use result.mesh.{name}" if hasattr(CGCMesh, name) else "")
-
-
-MAX_MEASURE_DRIFT = 1e-6  # error of K relative to the largest |K̄| that is reported when the smooth measure is evaluated again on the result
 
 
 class _Settings(Protocol):

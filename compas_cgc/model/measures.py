@@ -34,6 +34,7 @@ from .visible import NEAR
 from .visible import on_held_edges
 
 __all__ = [
+    "MAX_MEASURE_DRIFT",
     "MID_EDGE",
     "has_free_edges",
     "inward_supports",
@@ -49,6 +50,7 @@ __all__ = [
 ]
 
 MID_EDGE = "mid-edge"
+MAX_MEASURE_DRIFT = 1e-6  # error of K over the largest |K̄| when the smooth measure is evaluated again; settled corrections leave 1e-10
 
 
 def known_measure(name: object) -> str:
