@@ -8,11 +8,11 @@ from typing import Optional
 import numpy as np
 from scipy import sparse
 from scipy.interpolate import BSpline
-from scipy.spatial import ConvexHull
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..discrete.plan import rectangles
 from ..linalg import factorise
 from .creased_surface import CreasedSurface
 from .cut_functions import CreasedMesh
@@ -81,14 +81,13 @@ def _along_rectangle(plan: FloatArray) -> FloatArray:
 
     Designs that are rotated in plan then have the same surface, and the same seams along their sides.
     """
-    hull = plan[ConvexHull(plan).vertices]
-    sides = np.roll(hull, -1, axis=0) - hull
-    angles = np.arctan2(sides[:, 1], sides[:, 0])
-    angles = np.append(0.0, angles - 0.5 * np.pi * np.round(angles / (0.5 * np.pi)))
-    along = np.column_stack([np.cos(angles), np.sin(angles)])
-    areas = np.ptp(hull @ along.T, axis=0) * np.ptp(hull @ np.column_stack([-along[:, 1], along[:, 0]]).T, axis=0)
-    best = int(np.argmin(areas)) if areas.min() < SMALLER * areas[0] else 0
-    return np.array([*along[best], 0.0])
+    along, areas = rectangles(plan)
+    if not areas.min() < SMALLER * np.prod(np.ptp(plan, axis=0)):
+        return np.array([1.0, 0.0, 0.0])
+    x, y = along[np.argmin(areas)]
+    angle = np.arctan2(y, x)
+    angle -= 0.5 * np.pi * np.round(angle / (0.5 * np.pi))
+    return np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
 def fitted_surface(

@@ -10,12 +10,12 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.csgraph import minimum_spanning_tree
-from scipy.spatial import ConvexHull
 
 from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.laplacian import cotangent_laplacian
+from ..discrete.plan import rectangles
 from ..errors import MeshError
 from ..linalg import factorise
 from ..meshing.boundary import boundary_loops
@@ -429,12 +429,7 @@ def _plane_area(uv: FloatArray, faces: IntArray) -> float:
 
 def _narrowest(uv: FloatArray, used: IntArray) -> FloatArray:
     """Return points turned so that the rectangle around those used is the smallest; one of its sides lies along their hull."""
-    hull = uv[used][ConvexHull(uv[used]).vertices]
-    sides = np.roll(hull, -1, axis=0) - hull
-    best, smallest = uv, np.inf
-    for x, y in sides / np.linalg.norm(sides, axis=1)[:, None]:
-        turned = hull @ np.array([[x, -y], [y, x]])
-        area = float(np.prod(np.ptp(turned, axis=0)))
-        if area < (1.0 - 1e-9) * smallest:
-            best, smallest = uv @ np.array([[x, -y], [y, x]]), area
-    return best
+    along, areas = rectangles(uv[used])
+    # Of equal ones the first.
+    x, y = along[np.argmax(areas <= (1.0 + 1e-9) * areas.min())]
+    return uv @ np.array([[x, -y], [y, x]])
