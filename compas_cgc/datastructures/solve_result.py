@@ -20,7 +20,7 @@ from ..errors import find_attribute
 from ..errors import names_what_was_meant
 from ..meshing import Diagnostic
 from ..model.goals.wholes import Unknown
-from ..model.measures import MAX_MEASURE_DRIFT
+from ..model.measures import has_drifted
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.result import FAILED
@@ -184,12 +184,9 @@ class SolveResult:
 
     def _read_again(self) -> str:
         """Return the error of K with the layout correction of the smooth measure evaluated on the result, if it is not negligible."""
-        if self.measure != "smooth":
+        if self.measure != "smooth" or not has_drifted(self.problem, self.curvature):
             return ""
-        asked = self.problem.asked
-        off = np.abs(self.curvature - self.problem.targets)[asked]
-        if not off.max(initial=0.0) > MAX_MEASURE_DRIFT * self.problem.target_scale:
-            return ""
+        off = np.abs(self.curvature - self.problem.targets)[self.problem.asked]
         middle, most = float(np.median(off)), float(off.max())
         return (
             f"; with the layout error of the mesh estimated on the final surface, the error of K is {middle:.2g} (median) "

@@ -34,8 +34,8 @@ from .visible import NEAR
 from .visible import on_held_edges
 
 __all__ = [
-    "MAX_MEASURE_DRIFT",
     "MID_EDGE",
+    "has_drifted",
     "has_free_edges",
     "inward_supports",
     "is_held_all_round",
@@ -93,6 +93,12 @@ def measured_curvature(problem: CGCProblem, measure: str = "") -> PerVertex:
     if measure == "smooth":
         K = K - layout_errors(problem.vertices, faces, asked)
     return np.where(asked, K, np.nan)
+
+
+def has_drifted(problem: CGCProblem, K: PerVertex) -> bool:
+    """Return whether K (n,) read off a surface again, with the error due to its layout estimated anew, is not what was asked for."""
+    off = np.abs(K - problem.targets)[problem.asked]
+    return bool(off.max(initial=0.0) > MAX_MEASURE_DRIFT * problem.target_scale)
 
 
 def measured_mean_curvature(problem: CGCProblem) -> PerVertex:

@@ -25,7 +25,7 @@ from ..model.goals.binding import unknown_constants
 from ..model.goals.binding import unknown_regions
 from ..model.goals.guess import drawn_constant
 from ..model.goals.inequalities import Bound
-from ..model.measures import MAX_MEASURE_DRIFT
+from ..model.measures import has_drifted
 from ..model.measures import has_free_edges
 from ..model.measures import measured_curvature
 from ..model.measures import with_free_edges_held
@@ -220,26 +220,22 @@ def _between(
     posed = solution.with_found(problem).with_goals([], add=False)
     held = with_free_edges_held(posed.with_vertices(solution.vertices))
     held = held.with_opposite_normals() if is_drawn_below(held) else held
-    found: list[Solution] = []
+    found: Optional[Solution] = None
     for then in choice.then:
         own = judged(run_method(METHODS[then.method], held, settings=settings, options=then.options, callback=callback), posed, callback)
         if own.status == "cancelled":
             return own
-        found += [own] if own.is_fair else []
-        if own.is_fair and _has_its_curvature(posed, own):
-            found = [own]
+        if not own.is_fair:
+            continue
+        settled = not has_drifted(posed, measured_curvature(posed.with_vertices(own.vertices), own.measure))
+        found = own if settled or found is None else found
+        if settled:
             break
-    if not found:
+    if found is None:
         return None
     lines = " and ".join(["creases"] * bool(len(problem.creases)) + ["free edges"] * has_free_edges(problem))
-    message = joined([found[0].message, f"{lines} are those of the surface that bends and folds least"])
-    return found[0]._replace(message=message, targets=solution.targets)
-
-
-def _has_its_curvature(problem: CGCProblem, solution: Solution) -> bool:
-    """Return whether K read off a surface again, with the error due to its layout estimated anew, is what was asked for."""
-    off = measured_curvature(problem.with_vertices(solution.vertices), solution.measure) - problem.targets
-    return float(np.abs(off[problem.asked]).max(initial=0.0)) <= MAX_MEASURE_DRIFT * problem.target_scale
+    message = joined([found.message, f"{lines} are those of the surface that bends and folds least"])
+    return found._replace(message=message, targets=solution.targets)
 
 
 class _Even:
