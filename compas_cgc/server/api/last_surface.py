@@ -60,10 +60,8 @@ def read_last(value: Optional[Mapping], limits: Limits) -> Optional[LastSurface]
 
 
 def gone_on(problem: CGCProblem, last: Optional[LastSurface]) -> CGCProblem:
-    """Return a problem with the last surface as its initial guess; the unchanged problem if there is none or the targets are equal."""
+    """Return a problem with the last surface as its initial guess; the unchanged problem if there is none."""
     if last is None:
         return problem
     before = replace(problem, targets=np.full(len(problem.vertices), np.nan)).with_targets(last.targets)
-    on = replace(problem, vertices=last.vertices, origin=Origin(before, last.vertices))
-    same = np.array_equal(before.targets, problem.targets, equal_nan=True)
-    return problem if same or on.drawn is None else on
+    return replace(problem, vertices=last.vertices, origin=Origin(before, last.vertices))
