@@ -14,7 +14,7 @@ from .curves import CurveNet
 from .curves import curve_net
 from .curves.net import DEFAULT_SPACING
 from .curves.net import check_spacing
-from .curves.net import usual_spacing
+from .curves.net import region_size
 from .patchwork import Patchwork
 from .patchwork import pairs_of_equal
 from .patchwork import weights_in
@@ -52,11 +52,11 @@ def rulings_of(
     rulings: list[Ruling] = []
     straightness = {}
     for region in regions:
-        usual = usual_spacing(problem, region)
-        if spacing is not None and usual > 0.0:
-            check_spacing(usual / DEFAULT_SPACING, spacing, region)
+        size = region_size(problem, region)
+        if spacing is not None and size > 0.0:
+            check_spacing(size, spacing, region)
         try:
-            net = curve_net(problem, spacing or min(widest, usual), regions=[region], rough=True)
+            net = curve_net(problem, spacing or min(widest, size * DEFAULT_SPACING), regions=[region], rough=True)
         except CGCError:
             continue  # Flat, or too coarse for curvatures.
         off = np.array([curve.straightness for curve in net.curves])

@@ -23,6 +23,7 @@ from compas_cgc.discrete import mean_curvature
 from compas_cgc.discrete import total_mean_curvature
 from compas_cgc.discrete import vertex_areas
 from compas_cgc.discrete import vertex_normals
+from compas_cgc.discrete.extent import diameter
 
 from ..support import shapes
 
@@ -174,6 +175,13 @@ def test_energy_gradient_is_curvature_error_times_area_along_the_normal():
     gradient = energy_gradient(vertices, faces, 0.1)
     expected = ((0.25 - 0.1) * vertex_areas(vertices, faces))[:, None] * vertex_normals(vertices, faces)
     assert np.linalg.norm(gradient - expected) < 0.02 * np.linalg.norm(expected)
+
+
+def test_the_diameter_of_a_rectangle_is_its_diagonal_however_it_is_turned():
+    x, y = np.meshgrid(np.linspace(0.0, 4.0, 9), np.linspace(0.0, 3.0, 7))
+    points = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    for turn in Rotation.random(5, random_state=1).as_matrix():
+        assert diameter(points @ turn.T + [7.0, -2.0, 1.0]) == pytest.approx(5.0, rel=1e-14)
 
 
 def test_volume_of_a_closed_mesh_does_not_depend_on_the_origin():

@@ -212,11 +212,14 @@ def test_rulings_of_a_cone_run_towards_its_apex(through):
         assert curve.straightness < 0.01
 
 
-def test_curves_do_not_depend_on_where_a_surface_stands():
+@pytest.mark.parametrize("spacing", [1.0, None])
+def test_curves_do_not_depend_on_where_a_surface_stands(spacing):
     problem = patch(16, -0.02)
     turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [0.3, -1.0, 2.0], [2.0, 0.1, 1.0]]))[0]
     turn *= np.sign(np.linalg.det(turn))
-    still, moved = curve_net(problem, 1.0), curve_net(problem.with_vertices(problem.vertices @ turn.T + [50.0, 0.0, 3.0]), 1.0)
+    still, moved = (
+        curve_net(problem.with_vertices(own), spacing) for own in (problem.vertices, problem.vertices @ turn.T + [50.0, 0.0, 3.0])
+    )
     assert [curve.length for curve in moved.curves] == pytest.approx([curve.length for curve in still.curves], rel=1e-6)
 
 

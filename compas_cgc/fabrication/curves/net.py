@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Vectors
+from ...discrete.extent import diameter
 from ...errors import CGCError
 from ...errors import names_what_was_meant
 from ...meshing import vertex_labels
@@ -46,7 +47,7 @@ from .trace import DirectionField
 from .trace import Traced
 from .trace import direction_field
 
-__all__ = ["CurveNet", "NetCurve", "curve_net", "plural", "usual_spacing"]
+__all__ = ["CurveNet", "NetCurve", "curve_net", "plural", "region_size"]
 
 KINDS = dict(zip(NET_KINDS, (CURVATURE, ASYMPTOTIC)))
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
@@ -273,7 +274,7 @@ def curve_net(
             raise CGCError(f"region {region} has no single target K, which determines the kind of curves; set one and solve first")
         traced_kind = KINDS[kind] if kind else CURVATURE if K is None else _kind(problem, K, own)
         field = _field(problem, region, own, traced_kind == RULING)
-        size = _size(problem, own)
+        size = region_size(problem, region)
         step = spacing or size * DEFAULT_SPACING
         refuse_other_units("the spacing", step, size, problem.drawing.units)
         check_spacing(size, step, region)
@@ -310,9 +311,9 @@ def curve_net(
     return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(notes), surfaces)
 
 
-def usual_spacing(problem: CGCProblem, region: int) -> float:
-    """Return the default spacing of a region: 1/12 of its size [L]."""
-    return _size(problem, np.flatnonzero(problem.regions() == region)) * DEFAULT_SPACING
+def region_size(problem: CGCProblem, region: int) -> float:
+    """Return the largest distance between vertices of a region [L]."""
+    return diameter(problem.vertices[np.unique(problem.faces[problem.regions() == region])])
 
 
 def check_spacing(size: float, spacing: float, region: int) -> None:
@@ -327,11 +328,6 @@ def check_spacing(size: float, spacing: float, region: int) -> None:
         raise CGCError(
             f"a spacing of {spacing:g} would give region {region} more than {MAX_CURVES} curves; use {size / MAX_CURVES:.2g} or more"
         )
-
-
-def _size(problem: CGCProblem, faces: IntArray) -> float:
-    """Return the bounding-box diagonal of faces [L]."""
-    return float(np.linalg.norm(np.ptp(problem.vertices[problem.faces[faces]].reshape(-1, 3), axis=0)))
 
 
 def _kind(problem: CGCProblem, target: float, own: IntArray) -> int:

@@ -25,8 +25,9 @@ from ...model.given import checked_number
 from ...model.given import refuse_other_units
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
+from ..curves.net import DEFAULT_SPACING
 from ..curves.net import check_spacing
-from ..curves.net import usual_spacing
+from ..curves.net import region_size
 from ..shape_operators import shape_operators
 from ..solved import chosen_regions
 from ..solved import solved_problem
@@ -126,10 +127,10 @@ def plane_quads(
     notes += [f"region {region} has neither one K > 0 nor constant H and gets no quads" for region in chosen if region not in covered]
     if not covered:
         raise CGCError("plane quads need a region with K > 0 or constant H; use a net of curves instead")
-    step = spacing or min(usual_spacing(problem, region) for region in covered)
+    step = spacing or DEFAULT_SPACING * min(region_size(problem, region) for region in covered)
     for region in covered:
         own = problem.faces[label == region]
-        size = float(np.linalg.norm(np.ptp(problem.vertices[own].reshape(-1, 3), axis=0)))
+        size = region_size(problem, region)
         refuse_other_units("the spacing", step, size, problem.drawing.units)
         check_spacing(size, step, region)
         layouts[region] = _laid_out(problem.vertices, own, None if region in square else targets[region], step, region)
