@@ -254,7 +254,7 @@ def test_files_hold_the_forces(tmp_path):
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: membrane(patch(6, 0.02)), "the load is zero"),
+        (lambda: membrane(patch(6, 0.02)), "membrane forces need a load"),
         (lambda: membrane(patch(6, 0.02), pressure=float("inf")), "loads must be finite, not a pressure of inf"),
         (lambda: membrane(patch(6, 0.02), weight=float("nan")), "loads must be finite, not .* a weight of nan"),
         (lambda: membrane(CGCProblem(*cone(5, 20)).with_supports("boundary").with_targets(0.0), 1.0), "region 0 has K = 0"),

@@ -193,7 +193,7 @@ def test_a_net_on_a_soap_film_is_of_the_kind_that_is_chosen(hops):
     [
         ("unroll", 0.5, {}, "the surface is rough"),
         ("unroll", 0.02, {"Length": 0.001}, "use larger sheets"),
-        ("membrane", 0.02, {"Pressure": 0.0}, "the load is zero"),
+        ("membrane", 0.02, {"Pressure": 0.0}, "membrane forces need a load"),
         ("net", 0.02, {"Through": [(99.0, 99.0, 99.0)]}, "the points lie on it"),
         ("mould", 0.02, {"Material": "cheese"}, "there is no material 'cheese'"),
     ],
