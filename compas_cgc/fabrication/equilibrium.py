@@ -102,7 +102,7 @@ def membrane(
             f"loads must be finite, not a pressure of {pressure:g} and a weight of {weight:g}; give finite values in model units"
         )
     if pressure == 0.0 and weight == 0.0:
-        raise CGCError("membrane forces need a load; give a pressure, a weight or both (snow and wind act in .inp files only, in addition to these)")
+        raise CGCError("membrane forces need a load; give a pressure, a weight or both (snow and wind in .inp files are added to these)")
     check_targets(problem)
     state = _state(problem, pressure, weight, edge_beams)
     return judged(_closed(state, edge_beams, rough) if close else state, edge_beams)
