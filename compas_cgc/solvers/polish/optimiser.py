@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 from typing import Optional
@@ -9,6 +10,7 @@ from typing import Optional
 import numpy as np
 from scipy import sparse
 
+from ...discrete.arrays import EPS
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Mask
 from ...linalg import SingularMatrixError
@@ -64,8 +66,10 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
 
     with the second derivatives W of the Lagrangian, of which the part that is not convex is scaled down until the matrix has as
     many negative eigenvalues as equations: then dx is a minimum. D is small and keeps multipliers that equations do not determine where
-    they are. The merit ``E + σ |r|₁`` decreases in every step, if need be after corrections of second order. Goals add conditions
-    ``c + C dx = 0`` and sides ``c + C dx >= 0``, of which those are active that would be crossed, and push back.
+    they are; it goes with the root of the residuals, which otherwise would not fall below it where derivatives of the equations almost
+    vanish, as on flat spots with K̄ = 0. The merit ``E + σ |r|₁`` decreases in every step, if need be after corrections of second
+    order. Goals add conditions ``c + C dx = 0`` and sides ``c + C dx >= 0``, of which those are active that would be crossed, and push
+    back.
 
     Parameters
     ----------
@@ -85,9 +89,10 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float)
     """
     saddle, here = Saddle(points), lagrangian.untilted(start)
     multipliers, weights, share, shift, number = np.zeros(lagrangian.count), np.zeros(2), EXACT, 0.0, 0
-    below = regularisation(lagrangian)
+    full, whole = regularisation(lagrangian), lagrangian.scales * lagrangian.cells
     active = ~here.met.one_sided
     while True:
+        below = full * math.sqrt(min(1.0, float((np.abs(here.residuals) / whole).max(initial=EPS))))
         model = lagrangian.model(here, multipliers)
         found = _factors(lagrangian, model, saddle, lagrangian.border(here.met, active), below, share, shift)
         if found is None:
