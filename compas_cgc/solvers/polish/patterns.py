@@ -1,4 +1,4 @@
-"""Which way each region bends: domes to either side, and saddles turned to where the energy of the plate is least."""
+"""Which way each region bends: domes to either side, saddles and cylinders turned to where the energy of the plate is least."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ DIRECTIONS = 64  # directions of saddles that are compared; 2.8° apart, from wh
 MODES = 4  # patterns of least energy from which others are found [patterns]; higher modes have more energy
 MOST = 4  # patterns from which surfaces are sought; each costs a search
 DEAREST = 1.5  # energy of a pattern over the least that is tried; the energy of a plate orders patterns, but not exactly
+# share of its bending that a cylinder costs beside its misfit; four supports lie on cylinders in all directions, but on two that bend least
+LIMP = 0.01
 
 
 class Patterns:
@@ -25,7 +27,7 @@ class Patterns:
 
     .. math:: E(x) = x^T G x + 2 g^T x + c, \qquad x_r = (\pm 1, \cos t_r, \sin t_r),
 
-    with the side of the dome of region r and twice the angle by which its saddle is turned.
+    with the side of the dome of region r and twice the angle by which its saddle is turned. A cylinder is both, of any curvature.
 
     Parameters
     ----------
@@ -37,15 +39,22 @@ class Patterns:
         c.
     domes, saddles
         ``(r,)`` regions that want to bend to a dome, and to a saddle.
+    sheets
+        Energy of bending to the cylinder (1, 1, 0) if all regions want to bend to a cylinder of any curvature instead, 0 if not.
     side
         To which domes go where nothing else says it, 1 or -1.
     """
 
-    def __init__(self, gram: FloatArray, slope: FloatArray, constant: float, domes: Mask, saddles: Mask, side: float):
+    def __init__(self, gram: FloatArray, slope: FloatArray, constant: float, domes: Mask, saddles: Mask, sheets: float, side: float):
         self._gram, self._slope, self._constant = gram, slope, constant
-        self._domes, self.saddles, self._side = domes, saddles, side
+        self._domes, self._saddles, self._sheets, self._side = domes, saddles, sheets, side
         turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
         self._circle = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
+
+    @property
+    def turned(self) -> bool:
+        """Whether regions may bend in several directions."""
+        return bool(self._sheets or self._saddles.any())
 
     def energy(self, x: FloatArray) -> float:
         """Return the energy of a pattern (r, 3)."""
@@ -61,7 +70,9 @@ class Patterns:
 
         Without saddles all domes go to one side, and then to the other. Regions with saddles between creases bend each in its own way.
         """
-        if not self.saddles.any():
+        if self._sheets:
+            return self._cylinders()
+        if not self._saddles.any():
             domes = self._one_side()
             return [domes, -domes] if domes.any() else [domes]
         uniform = self._uniform()
@@ -79,18 +90,29 @@ class Patterns:
     def _uniform(self) -> list[FloatArray]:
         """Return the patterns whose domes go to one side and whose saddles are turned alike, of locally least energy."""
         domes = self._one_side()
-        tried = [domes + self.saddles[:, None] * one for one in self._circle]
+        tried = [domes + self._saddles[:, None] * one for one in self._circle]
         energies = np.array([self.energy(x) for x in tried])
         if np.ptp(energies) <= DRAWING_ACCURACY * abs(energies.mean()):
             return [tried[0], tried[DIRECTIONS // 4]]
         lowest = np.flatnonzero((energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1)))
         return [tried[k] for k in lowest[np.argsort(energies[lowest], kind="stable")]]
 
+    def _cylinders(self) -> list[FloatArray]:
+        """Return the patterns of sheets that bend to one cylinder, of locally least energy, and of a plate that has little more."""
+        ways = self._circle + [1.0, 0.0, 0.0]
+        push = ways @ self._slope.sum(axis=0)
+        alike = np.einsum("ka,rasb,kb->k", ways, self._gram, ways) + LIMP * self._sheets
+        less = push**2 / alike
+        most = np.flatnonzero((less >= np.roll(less, 1)) & (less > np.roll(less, -1)) & (less > DRAWING_ACCURACY * self._constant))
+        plate = np.zeros((len(self._domes), 3))
+        found = [plate - push[k] / alike[k] * ways[k] for k in most[np.argsort(-less[most], kind="stable")]]
+        return [*found, plate] if not found or self._constant <= DEAREST * self.energy(found[0]) else found
+
     def _modes(self) -> list[FloatArray]:
         """Return the patterns with the signs and directions of the modes of least energy for their curvature, most domes to their side."""
         count = 3 * len(self._domes)
         G = self._gram.reshape(count, count)
-        used = np.flatnonzero(np.column_stack([self._domes, self.saddles, self.saddles]).ravel())
+        used = np.flatnonzero(np.column_stack([self._domes, self._saddles, self._saddles]).ravel())
         scale = np.sqrt(np.diag(G)[used])
         vectors = np.linalg.eigh(G[np.ix_(used, used)] / np.outer(scale, scale))[1][:, :MODES]
         found = []
@@ -100,7 +122,7 @@ class Patterns:
             x = np.asarray(x.reshape(-1, 3))
             x[:, 0] = np.where(x[:, 0] >= 0.0, 1.0, -1.0) * self._domes
             length = np.linalg.norm(x[:, 1:], axis=1)
-            x[:, 1:] = np.where(length > 0.0, x[:, 1:].T / np.maximum(length, TINY), [[1.0], [0.0]]).T * self.saddles[:, None]
+            x[:, 1:] = np.where(length > 0.0, x[:, 1:].T / np.maximum(length, TINY), [[1.0], [0.0]]).T * self._saddles[:, None]
             found.append(-x if x[:, 0].sum() * self._side < 0.0 else x)
         return found
 
@@ -113,7 +135,7 @@ class Patterns:
                 own = self._gram[r, :, r]
                 pull = np.einsum("asb,sb->a", self._gram[r], x) - own @ x[r] + self._slope[r]
                 sides = ([1.0, -1.0] if flips else [x[r, 0]]) if self._domes[r] else [0.0]
-                ways = [self._circle if self.saddles[r] else 0.0 * self._circle[:1]] * len(sides)
+                ways = [self._circle if self._saddles[r] else 0.0 * self._circle[:1]] * len(sides)
                 options = np.vstack([way + np.array([side, 0.0, 0.0]) for side, way in zip(sides, ways)])
                 energies = np.einsum("oa,ab,ob->o", options, own, options) + 2.0 * options @ pull
                 before = float(x[r] @ own @ x[r] + 2.0 * x[r] @ pull)

@@ -244,9 +244,10 @@ def _least_energy(
         else:
             ends.append(search.lowered(start) if isinstance(start, Lifted) else search.ended(start))
         starting.append(own)
-        # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say.
-        enough = kept or lifted or bool(surfaces) or bool((lagrangian.types >= 0.0).all())
-        if ends[-1].status in ("cancelled", "step_limit") or (lifted and is_spent()):
+        # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say; sheets have several ways.
+        sheets = bool((lagrangian.types == 0.0).all())
+        enough = kept or lifted or bool(surfaces) or (bool((lagrangian.types >= 0.0).all()) and not sheets)
+        if ends[-1].status == "cancelled" or (ends[-1].status == "step_limit" and not sheets) or (lifted and is_spent()):
             break
         if ends[-1].arrived and enough and judged(ends[-1]).fair:
             if not isinstance(start, Lifted):

@@ -61,7 +61,7 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
 
     The plate wants to bend to the shape operators of the laws: alike in all directions, first to one side, where K̄ > 0; as a
     saddle, turned to where bending energy is least, up and down, where K̄ < 0; where H is prescribed, alike in all directions to
-    its side. Where K̄ = 0 or H = 0 it bends over its supports.
+    its side. Where H = 0 it bends over its supports, and where K̄ = 0 to a cylinder through them.
     """
     if np.isfinite(lagrangian.waves) or not lagrangian.has_plan:
         yield from_surface(lagrangian, lagrangian.drawing)
@@ -71,7 +71,7 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
     steady, parts, patterns = _posed(lagrangian, own)
     found = patterns.found()
     steps = [steady + np.einsum("ra,raq->q", pattern, parts) for pattern in found]
-    if patterns.saddles.any():
+    if patterns.turned:
         # Of mirror twins the one that rises along the normals comes first.
         ranks = patterns.ranks(found)
         moments = [_moments(lagrangian, own.here, -step) for step in steps]
@@ -132,11 +132,15 @@ def _posed(lagrangian: Lagrangian, own: _Plate) -> tuple[FloatArray, FloatArray,
     labels, region = np.unique(region, return_inverse=True)
     round_, along, across = _tensors(lagrangian)
     flat = FLAT * max(float(np.abs(part).max(initial=0.0)) for part in shape)
+    # Over level supports a sheet stays flat.
+    sheets = bool((lagrangian.types == 0.0).all()) and float(own.here.operators.bending.sum()) > FLAT_FACE
     wanted = np.stack([shape.round[:, None] * round_, shape.saddle[:, None] * along, shape.saddle[:, None] * across])
     steady = shape.mean[:, None] * round_
     held = [shape.round > flat, shape.saddle > flat]
     domes, saddles = (np.bincount(region[some], minlength=len(labels)) > 0 for some in held)
-    used = np.column_stack([domes, saddles, saddles])
+    if sheets:
+        wanted = np.stack([round_, along, across])
+    used = np.column_stack([domes | sheets, saddles | sheets, saddles | sheets])
     r, kind = np.nonzero(used)
     count = len(r)
     curvatures = np.where((region == r[:, None])[..., None], wanted[kind], 0.0)
@@ -153,7 +157,8 @@ def _posed(lagrangian: Lagrangian, own: _Plate) -> tuple[FloatArray, FloatArray,
     parts = np.zeros((len(labels), 3, lagrangian.size))
     parts[r, kind] = steps
     constant = float(base @ base - 0.5 * force @ first)
-    return first, parts, Patterns(gram, slope, constant, domes, saddles, lagrangian.side)
+    bent = float(((weight * (round_ + along)) ** 2).sum()) if sheets else 0.0
+    return first, parts, Patterns(gram, slope, constant, domes, saddles, bent, lagrangian.side)
 
 
 def _with_even_angles(lagrangian: Lagrangian, here: State, step: FloatArray) -> State:

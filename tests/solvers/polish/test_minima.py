@@ -28,6 +28,40 @@ def test_a_symmetric_surface_that_is_no_minimum_is_left_for_one_that_is():
         assert again.branches[0].energy == pytest.approx(found.branches[0].energy, rel=1e-6)
 
 
+def lifted_square(vertices, faces, twist):
+    """Return a sheet, K = 0, on the corners of a square of half width 1, two of which are lifted by the twist, and two lowered."""
+    x, y = vertices[:, :2].T
+    return CGCProblem(np.column_stack([x, y, twist * x * y]), faces).with_supports("corners").with_targets(0.0)
+
+
+@pytest.mark.parametrize("mesh", ["diagonals", "alternating", "random"])
+def test_a_sheet_over_lifted_corners_bends_along_one_diagonal_or_the_other(mesh):
+    """Both corners of a diagonal lie as high, and the sheet is a cylinder about it, z = +-t (1 - (x -+ y)² / 2), to leading order."""
+    V, F = grid(17, 2.0)
+    V = V - [1.0, 1.0, 0.0]
+    F = alternating(17) if mesh == "alternating" else F
+    if mesh == "random":
+        V[:, :2] += np.random.default_rng(4).uniform(-0.02, 0.02, (len(V), 2)) * (np.abs(V[:, :2]).max(axis=1) < 1.0)[:, None]
+    twist = 0.01
+    found = polish(lifted_square(V, F, twist))
+    assert found.status == "converged" and found.verdict.fair and found.max_error < 1e-10
+    assert len(found.branches) == 2
+    x, y = V[:, :2].T
+    about = {1.0: twist * (1.0 - (x - y) ** 2 / 2.0), -1.0: -twist * (1.0 - (x + y) ** 2 / 2.0)}
+    assert {min(about, key=lambda side: np.abs(branch.vertices[:, 2] - about[side]).max()) for branch in found.branches} == {1.0, -1.0}
+    for branch in found.branches:
+        assert min(np.abs(branch.vertices[:, 2] - z).max() for z in about.values()) < 0.05 * twist
+        assert branch.energy == pytest.approx(4.0 * (2.0 * twist) ** 2, rel=0.05)
+
+
+def test_k_zero_is_met_to_rounding_in_a_few_steps_from_a_flat_spot():
+    """Derivatives of K vanish where a sheet is flat: with a constant regularisation it took 55 steps, and 1e-11 were left."""
+    V, F = grid(13, 2.0)
+    problem = lifted_square(V - [1.0, 1.0, 0.0], F, 0.1)
+    found = polish(problem, start=problem.vertices)
+    assert found.status == "converged" and found.iterations <= 30 and found.max_error < 1e-14
+
+
 def test_second_derivatives_that_are_not_convex_are_halved_then_left_out_and_then_shifted():
     taken = [(1.0, 0.0)]
     while taken[-1][1] < 1e-3:
