@@ -117,15 +117,13 @@ def test_an_irregular_saddle_is_congruent_to_its_hyperboloid(n, jitter, obtuse):
     assert laid.edge_error < 1e-11 and 1e3 * laid.gap < 1e-8
 
 
-# With 3,600 vertices the smooth measure leaves one of them with K of almost 0; exact angles do not.
-@pytest.mark.parametrize("n, rough", [(30, []), pytest.param(60, ["its K has the wrong sign at vertex 3528"], marks=pytest.mark.nightly)])
-def test_vertices_slide_along_a_fair_saddle_instead_of_crumpling_it(n, rough):
+@pytest.mark.parametrize("n, off", [(30, 0.025), pytest.param(60, 0.025, marks=pytest.mark.nightly)])
+def test_vertices_slide_along_a_fair_saddle_instead_of_crumpling_it(n, off):
     problem = irregular_saddle(n, 0.4)
     plain = solve(problem, method="projection")
     result = solve(problem, method="projection", settings={"measure": "exact"})
     assert result.converged and result.iterations <= plain.iterations + 5
-    assert [reason.split(",")[0] for reason in plain.verdict.reasons] == rough
-    assert result.verdict.fair and result.verdict.fit_median < 0.025
+    assert plain.verdict.fair and result.verdict.fair and result.verdict.fit_median < off
     assert opened(result.problem, result.vertices) < 5e-14
 
 
