@@ -176,6 +176,11 @@ class Lagrangian:
         return bool((self.types > 0.0).all()) and not self._posed[0][sides].any()
 
     @property
+    def is_parabolic(self) -> bool:
+        """Whether all laws are parabolic, such as K̄ = 0."""
+        return bool((self.types == 0.0).all())
+
+    @property
     def is_minimal(self) -> bool:
         """Whether the supports determine a minimal surface."""
         shape = self.law.shape()

@@ -245,9 +245,8 @@ def _least_energy(
             ends.append(search.lowered(start) if isinstance(start, Lifted) else search.ended(start))
         starting.append(own)
         # Without hyperbolic laws such as K̄ < 0 the first side is the one that the drawing or its normals say; sheets have several ways.
-        sheets = bool((lagrangian.types == 0.0).all())
-        enough = kept or lifted or bool(surfaces) or (bool((lagrangian.types >= 0.0).all()) and not sheets)
-        if ends[-1].status == "cancelled" or (ends[-1].status == "step_limit" and not sheets) or (lifted and is_spent()):
+        enough = kept or lifted or bool(surfaces) or (bool((lagrangian.types >= 0.0).all()) and not lagrangian.is_parabolic)
+        if ends[-1].status == "cancelled" or (ends[-1].status == "step_limit" and not lagrangian.is_parabolic) or (lifted and is_spent()):
             break
         if ends[-1].arrived and enough and judged(ends[-1]).fair:
             if not isinstance(start, Lifted):

@@ -133,7 +133,7 @@ def _posed(lagrangian: Lagrangian, own: _Plate) -> tuple[FloatArray, FloatArray,
     round_, along, across = _tensors(lagrangian)
     flat = FLAT * max(float(np.abs(part).max(initial=0.0)) for part in shape)
     # Over level supports a sheet stays flat.
-    sheets = bool((lagrangian.types == 0.0).all()) and float(own.here.operators.bending.sum()) > FLAT_FACE
+    sheets = lagrangian.is_parabolic and float(own.here.operators.bending.sum()) > FLAT_FACE
     wanted = np.stack([shape.round[:, None] * round_, shape.saddle[:, None] * along, shape.saddle[:, None] * across])
     steady = shape.mean[:, None] * round_
     held = [shape.round > flat, shape.saddle > flat]
