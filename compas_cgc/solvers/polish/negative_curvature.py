@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Optional
 
@@ -12,8 +13,8 @@ from ...discrete.arrays import FloatArray
 
 __all__ = ["negative_curvature"]
 
-ROUNDS = 40  # rounds of the power iteration [rounds]; bounds the time where two directions are alike
-STEADY = 0.1  # relative change of the curvature in a round below which the iteration ends; only the sign and a rough direction are used
+ROUNDS = 40  # rounds of the Lanczos process [rounds]; bounds the time where curvature is hardly negative
+STEADY = 0.1  # relative change of the curvature in a round below which the process ends; only the sign and a rough direction are used
 # wave numbers of the first load along the axes [1/L]; irrational ratios, as a symmetric load finds symmetric directions only
 WAVES = np.array([2.1, 3.7, 4.3])
 
@@ -23,18 +24,18 @@ def negative_curvature(
 ) -> Optional[tuple[FloatArray, float]]:
     r"""Return a direction that meets the linearised equations and has negative second derivatives, and these; None if there is none.
 
-    The second derivatives W are positive once a matrix A is added. The power iteration
+    The second derivatives W are positive once a matrix A is added. With the inverse S of W + A among directions that meet the equations,
+    the eigenvalues of S A are those of
 
-    .. math:: \begin{pmatrix} W + A & J^T \\ J & -D \end{pmatrix} \begin{pmatrix} d_{k + 1} \\ \lambda \end{pmatrix}
-              = \begin{pmatrix} A d_k \\ 0 \end{pmatrix}
+    .. math:: A d = \mu (W + A) d,
 
-    amplifies the directions along which W is negative, and no others. Its first load has no symmetry and determines the sign of the
-    direction, so that neither depends on rounding.
+    and above 1 exactly along directions of negative curvature. The Lanczos process finds the largest. Its first load has no symmetry and
+    determines the sign of the direction, so that neither depends on rounding.
 
     Parameters
     ----------
     responses
-        Solution of the saddle system for loads (s,).
+        S times loads (s,).
     hessian, added
         ``(s, s)`` W and A, with zeros for multipliers.
     places
@@ -47,18 +48,27 @@ def negative_curvature(
 
     References
     ----------
-    Nocedal and Wright, *Numerical Optimization*, section 3.4, doi:10.1007/978-0-387-40065-5.
+    Saad, *Numerical Methods for Large Eigenvalue Problems*, sections 6.6 and 9.2.6, doi:10.1137/1.9781611970739.
     """
-    direction, load, curvature = np.zeros(hessian.shape[0]), np.zeros(hessian.shape[0]), np.inf
+    load = np.zeros(hessian.shape[0])
     load[: len(places)] = np.cos(places @ WAVES + 1.0)
-    for _ in range(ROUNDS):
-        direction = responses(load)
-        largest = float(np.abs(direction).max())
-        if not np.isfinite(largest) or largest == 0.0:
-            return None
-        direction /= largest
-        before, curvature = curvature, float(direction @ (hessian @ direction))
-        if curvature < 0.0 and abs(curvature - before) <= STEADY * abs(curvature):
+    T, before = np.zeros((ROUNDS, ROUNDS)), -np.inf
+    directions, loads = np.zeros((2, ROUNDS, len(load)))  # biorthogonal
+    direction = load
+    for k in range(ROUNDS):
+        response = responses(load)
+        work = float(load @ response)
+        if not 0.0 < work < np.inf:
             break
-        load = added @ direction
+        directions[k], loads[k] = response / math.sqrt(work), load / math.sqrt(work)
+        load = added @ directions[k]
+        T[: k + 1, k] = T[k, : k + 1] = directions[: k + 1] @ load
+        values, vectors = np.linalg.eigh(T[: k + 1, : k + 1])
+        direction = (vectors[:, -1] * (1.0 if vectors[0, -1] > 0.0 else -1.0)) @ directions[: k + 1]
+        gain, before = values[-1] - before, values[-1]
+        if gain <= STEADY * (before - 1.0):
+            break
+        load = load - T[: k + 1, k] @ loads[: k + 1]
+    direction = direction / np.abs(direction).max()
+    curvature = float(direction @ (hessian @ direction))
     return (direction, curvature) if curvature < 0.0 else None

@@ -231,7 +231,10 @@ def _with_less_energy(
         return None
     longest = CLOSE * size
     step, curvature = longest * found[0][: lagrangian.size], longest**2 * found[1]
-    slope = float(np.einsum("i,i", model.gradient, step)) - float(weights @ here.missed)
+    slope = float(np.einsum("i,i", model.gradient, step))
+    if slope > DECREASE * abs(curvature):
+        step, slope = -step, -slope
+    slope -= float(weights @ here.missed)
     return _search(lagrangian, saddle, here, active, step, slope, weights, size, curvature)
 
 

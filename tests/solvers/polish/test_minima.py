@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from compas_cgc import CGCMesh
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.negative_curvature import negative_curvature
 from compas_cgc.solvers.polish.optimiser import _more_convex
@@ -26,6 +27,18 @@ def test_a_symmetric_surface_that_is_no_minimum_is_left_for_one_that_is():
         start = found.vertices + 0.02 * push[:, None] * [0.0, 0.0, 1.0] * problem.movable[:, None]
         again = polish(problem, start=start)
         assert again.branches[0].energy == pytest.approx(found.branches[0].energy, rel=1e-6)
+
+
+def test_from_beside_a_symmetric_surface_the_search_goes_downhill():
+    """Nine regions over four corners: along the direction of least curvature the energy first rose, and 100 steps were not enough."""
+    n = 15
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=n)
+    mesh.set_supports("corners")
+    lines = [[n // 3 * k * (n + 1) + i for i in range(n + 1)] for k in (1, 2)]
+    mesh.set_creases(lines + [[i * (n + 1) + n // 3 * k for i in range(n + 1)] for k in (1, 2)])
+    mesh.set_target(0.005)
+    found = polish(mesh.to_problem())
+    assert found.status == "converged" and found.verdict.fair and found.iterations < 40
 
 
 def lifted_square(vertices, faces, twist):
