@@ -44,21 +44,29 @@ class _Between(NamedTuple):
     along: bool = False  # whether that line runs along the edge of the region
 
 
-def two_sided_supports(problem: CGCProblem) -> list[str]:
+def two_sided_supports(problem: CGCProblem, over_lines: bool = False) -> list[str]:
     """Return a sentence for every region of K > 0 whose supports would need it to bulge to both sides.
 
     Such a surface is the graph of a function that is either convex or concave over every straight line in the plan of its
     region. A support between two or three others in plan decides which: a dome if it lies higher than they do, a bowl if it
     lies lower. If it lies level with them, neither is possible.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    over_lines
+        Whether free edges stay over their drawn lines, and a surface has to be smooth up to them. Default: only where a goal says so
+        do they stay there, and a surface may be singular at straight edges.
     """
     label = problem.regions()
     fixed = (problem.roles == FIXED)[problem.faces]
     pairs = np.unique(np.column_stack([np.broadcast_to(label[:, None], fixed.shape)[fixed], problem.faces[fixed]]), axis=0)
     regions = np.flatnonzero(np.bincount(pairs[:, 0]) >= 3)
-    return [sentence for region in regions.tolist() for sentence in _of_region(problem, region)]
+    return [sentence for region in regions.tolist() for sentence in _of_region(problem, region, over_lines)]
 
 
-def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
+def _of_region(problem: CGCProblem, region: int, over_lines: bool) -> Iterator[str]:
     V, F = problem.vertices, problem.faces[problem.regions() == region]
     own = problem.region_vertices(region)
     asked, supports = problem.asked & own, np.flatnonzero((problem.roles == FIXED) & own)
@@ -72,9 +80,10 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
     over: Optional[_Between] = None
     under: Optional[_Between] = None
     level: list[_Between] = []
-    for found in _between(problem, F, supports, size):
+    walls = _of_walls(problem)
+    for found in _between(problem, F, supports, size, over_lines):
         if abs(found.over) <= DRAWING_ACCURACY * size:
-            if not found.along:
+            if not found.along or (over_lines and found.vertex not in walls):
                 level.append(found)
         elif found.over > 0:
             # The advice has to hold for all lines over which the same support lies: keep its largest height.
@@ -89,7 +98,7 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
             f"supports at vertices {_named(problem, level[0])}, and a smooth surface of K > 0 is never straight; raise it above "
             f"z = {height:.4g}, or draw a crease through it"
         )
-        alone = {found.vertex for found in level} - _of_walls(problem)
+        alone = {found.vertex for found in level} - walls
         yield Sentence(text, [Remedy("release", sorted(int(names[vertex]) for vertex in alone))] if alone else [])
     elif over is not None and under is not None:
         highest, lowest = (float(problem.vertices[found.vertex, 2]) - found.over for found in (over, under))
@@ -113,10 +122,10 @@ def _named(problem: CGCProblem, found: _Between) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) -> Iterator[_Between]:
+def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float, over_lines: bool) -> Iterator[_Between]:
     """Return the supports that lie between others in plan, where the line or triangle of the others lies in the region."""
     plan, z = problem.vertices[:, :2], problem.vertices[:, 2]
-    held = any(isinstance(own, EdgeInPlan) for own in problem.goals)
+    held = over_lines or any(isinstance(own, EdgeInPlan) for own in problem.goals)
     rim = boundary_vertices(problem.vertices, problem.faces)
     pairs, shares = _pairs_around(plan, supports, size)
     sides = _straight_sides(plan, F)

@@ -62,17 +62,21 @@ def why_not_found(problem: CGCProblem, status: str, limited: bool) -> str:
     return contradiction(problem) or _step(problem) or _carried(problem, None if whole else "") or _twist(problem)
 
 
-def why_rough(problem: CGCProblem) -> str:
-    """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
+def why_rough(problem: CGCProblem, over_lines: bool) -> str:
+    """Return why a surface, whose free edges may be over their drawn lines, is rough, or how much of the targets the supports carry.
+
+    Empty where that is not known.
+    """
     asking = list(dict.fromkeys(goal_name(own) for own in problem.goals if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
     nothing = NOTHING.format(listed(asking), "it" if len(asking) == 1 else "them") if asking else ""
-    return contradiction(problem) or _step(problem) or cap_of_the_rise(problem) or _twist(problem) or _carried(problem, nothing, LAYOUT)
+    known = contradiction(problem, over_lines) or _step(problem) or cap_of_the_rise(problem) or _twist(problem)
+    return known or _carried(problem, nothing, LAYOUT)
 
 
-def contradiction(problem: CGCProblem) -> str:
+def contradiction(problem: CGCProblem, over_lines: bool = False) -> str:
     """Return the sentence on supports that no surface with K of this sign passes through, empty without any."""
     real = problem.without_dummies()
-    return next(iter(two_sided_supports(real) or inward_edges(real) or saddle_in_flat_edge(real)), "")
+    return next(iter(two_sided_supports(real, over_lines) or inward_edges(real) or saddle_in_flat_edge(real)), "")
 
 
 def _step(problem: CGCProblem) -> str:

@@ -103,7 +103,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     # How much of a goal can be had says more than a rough surface with all of it.
     if rough and last[0].status != "infeasible":
         _, best, choice = min(rough, key=lambda one: one[0])
-        reasons = partial(why_rough, problem)
+        reasons = partial(why_rough, problem, best.method == "bending")
     else:
         best, choice = last if last[0].status in OVER else min(tried, key=lambda pair: pair[0].max_error)
         reasons = partial(why_not_found, problem, best.status, settings is not None and settings.to_dict().get("steps") is not None)

@@ -65,6 +65,14 @@ def test_a_free_edge_that_must_not_leave_its_line_is_one_of_the_lines():
     assert not two_sided_supports(level), "a straight edge is as a straight rim is: the surface may be singular there"
 
 
+def test_columns_along_a_free_edge_over_its_line_are_named_and_walls_are_not():
+    (said,) = two_sided_supports(columns(*CORNERS, (4, 0, 3)), over_lines=True)
+    assert "its support at vertex 36 lies on the straight line" in said and "vertices 0 and 72" in said
+    assert not two_sided_supports(columns(*CORNERS, (4, 0, 4)), over_lines=True)
+    wall = [(x, 0, 3) for x in range(1, 8)]
+    assert not two_sided_supports(columns(*CORNERS, *wall), over_lines=True)
+
+
 def test_lines_through_a_court_are_none():
     """The way between the two ends of an L leads over its court, where there is no surface."""
     ends = columns((8, 0, 3), (0, 8, 3), (3, 3, 2), (0, 0, 3), corner=True)

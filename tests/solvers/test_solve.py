@@ -195,6 +195,19 @@ def test_when_no_method_converges_the_best_surface_is_returned_with_a_remedy():
     assert Remedy("scale", -1.0) in result.ending.remedies
 
 
+def test_a_column_level_with_those_beside_it_along_a_free_edge_is_what_makes_a_dome_rough():
+    """A dome above the line of three columns would be straight between them, whatever its K."""
+    n = 12
+    mesh = CGCMesh.from_meshgrid(dx=12.0, nx=n)
+    mesh.set_supports([0, n, n * (n + 1), (n + 1) ** 2 - 1, n // 2])
+    mesh.set_target(0.003)
+    level = solve(mesh)
+    assert not level.verdict.fair and f"its support at vertex {n // 2} lies on the straight line" in level.message
+    assert Remedy("release", [n // 2]) in level.ending.remedies
+    mesh.vertex_attribute(n // 2, "z", 1.5)
+    assert solve(mesh).verdict.fair
+
+
 def test_of_several_that_stall_the_nearest_is_returned(monkeypatch):
     import compas_cgc.solvers.selection as auto
 
