@@ -1,4 +1,4 @@
-"""The same problem on a mesh with short edges along its rim and creases."""
+"""The same problem on a mesh with shorter edges, all of them or those along its rim and creases."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from .problem import CGCProblem
 from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
+from .roles import INTERNAL
 
-__all__ = ["along_inner_lines", "line_edges", "with_short_lines"]
+__all__ = ["along_inner_lines", "line_edges", "with_halved_edges", "with_short_lines"]
 
 
 def line_edges(problem: CGCProblem) -> IntArray:
@@ -60,6 +61,19 @@ def with_short_lines(problem: CGCProblem, longest: float) -> CGCProblem:
         problem = _halved(problem, edges[long])
 
 
+def with_halved_edges(problem: CGCProblem) -> CGCProblem:
+    """Halve all edges, so that each face becomes four.
+
+    Vertices and regions keep their numbers, and goals refer to the same vertices.
+
+    Parameters
+    ----------
+    problem
+        Problem without dummies and laws.
+    """
+    return _halved(problem, np.sort(edge_faces(problem.faces)[:, :2], axis=1))
+
+
 def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     """Return a problem with vertices at the middles of edges (e, 2), each from its smaller vertex to its larger one."""
     V, n = problem.vertices, len(problem.vertices)
@@ -67,9 +81,12 @@ def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     halved = between >= 0
     at, (start, end) = between[halved], problem.creases[halved].T
     creases = np.vstack([problem.creases[~halved], np.column_stack([start, at]), np.column_stack([at, end])])
-    roles = np.full(len(edges), FREE)
+    faces = edge_faces(problem.faces)
+    roles = np.full(len(edges), INTERNAL)
+    roles[np.isin(edges @ [n, 1], np.sort(faces[faces[:, 3] < 0, :2], axis=1) @ [n, 1])] = FREE
     roles[at - n] = CREASE
-    roles[(problem.roles[edges] == FIXED).all(axis=1)] = FIXED
+    along = np.isin(edges @ [n, 1], line_edges(problem) @ [n, 1])
+    roles[along & (problem.roles[edges] == FIXED).all(axis=1)] = FIXED
     # A vertex of a crease belongs to several regions, so that the target is that of the other end.
     counted = problem.roles[edges] != CREASE
     counted |= ~counted.any(axis=1)[:, None]

@@ -8,10 +8,12 @@ import numpy as np
 
 from ..discrete.local_fits import local_fits
 from ..errors import COARSER
+from ..errors import FINER
 from ..errors import ProblemError
 from ..errors import Sentence
 from ..errors import use_method
 from ..model.bulging import two_sided_supports
+from ..model.divided import with_halved_edges
 from ..model.flat_edges import saddle_in_flat_edge
 from ..model.goals.binding import bind
 from ..model.goals.binding import unknown_regions
@@ -25,11 +27,14 @@ from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
 from ..model.stepped_edges import stepped_edges
 from ..model.straight_edges import twisted_edges
+from ..model.verdict import verdict
 from .constants import MEDIUM_MESH
 from .half_sphere import cap_of_the_rise
 from .limits import SOLVES
 from .limits import TOLERANCE
 from .limits import raised
+from .polish.polisher import polish
+from .polish.posed import takes_goals
 from .projection.symmetry import tears_faces
 from .projection.system import relaxed
 
@@ -38,6 +43,9 @@ __all__ = ["DRAWN_IN", "contradiction", "why_not_found", "why_rough"]
 DRAWN_IN = Sentence("with the method projection free edges may leave their drawn lines", [use_method("projection")])
 NOTHING = Sentence("no fair surface was found over these supports with {}, not even for a small fraction of K̄; reduce {}")
 
+HALF_AS_LONG = Sentence(
+    "with edges half as long a fair surface with these targets was found over the same supports; mesh the drawing finer", [FINER]
+)
 LAYOUT = Sentence(
     "on a coarser mesh over the same supports, a fair surface with these targets was found in steps from smaller ones; "
     "mesh the drawing again with fewer, more regular triangles, or draw it closer to the surface",
@@ -70,7 +78,7 @@ def why_rough(problem: CGCProblem, over_lines: bool) -> str:
     asking = list(dict.fromkeys(goal_name(own) for own in problem.goals if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
     nothing = NOTHING.format(listed(asking), "it" if len(asking) == 1 else "them") if asking else ""
     known = contradiction(problem, over_lines) or _step(problem) or cap_of_the_rise(problem) or _twist(problem)
-    return known or _carried(problem, nothing, LAYOUT)
+    return known or _finer(problem) or _carried(problem, nothing, LAYOUT)
 
 
 def contradiction(problem: CGCProblem, over_lines: bool = False) -> str:
@@ -87,6 +95,17 @@ def _step(problem: CGCProblem) -> str:
 def _twist(problem: CGCProblem) -> str:
     """Return the sentence on held edges that twist the surface otherwise than K does, empty without any."""
     return next(iter(twisted_edges(problem.without_dummies())), "")
+
+
+def _finer(problem: CGCProblem) -> str:
+    """Return the sentence on a mesh that is too coarse for a surface over these supports, empty where it is not, or not small."""
+    real = problem.without_dummies()
+    if 4 * len(real.vertices) > MEDIUM_MESH or real.laws or not takes_goals(real):
+        return ""
+    fine = with_halved_edges(real)
+    found = polish(fine)
+    shape = fine.with_vertices(found.vertices)
+    return HALF_AS_LONG if found.status == "converged" and verdict(shape, fine.vertices).fair else ""
 
 
 def _carried(problem: CGCProblem, nothing: Optional[str] = "", enough: str = "") -> str:

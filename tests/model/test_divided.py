@@ -10,10 +10,12 @@ from compas_cgc import Rise
 from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_areas
 from compas_cgc.discrete import face_normals
+from compas_cgc.model.divided import with_halved_edges
 from compas_cgc.model.divided import with_short_lines
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 
 
 @pytest.fixture
@@ -51,6 +53,18 @@ def test_roles_and_targets_are_those_of_the_edges(problem):
     assert len(fine.creases) == 2 * len(problem.creases) and (fine.roles[n:] == CREASE).sum() == len(problem.creases)
     assert (fine.roles[n:] == FREE).sum() == 3 * 6
     assert fine.region_targets() == problem.region_targets() == [0.02, 0.03]
+
+
+def test_with_all_edges_halved_each_face_is_four_and_lines_stay_lines(problem):
+    fine = with_halved_edges(problem)
+    n, edges = len(problem.vertices), edge_faces(problem.faces)
+    assert len(fine.vertices) == n + len(edges) and len(fine.faces) == 4 * len(problem.faces)
+    assert face_areas(fine.vertices, fine.faces) == pytest.approx(1.0 / 8.0)
+    short = with_short_lines(problem, 0.5)
+    for role in (FIXED, FREE, CREASE):
+        assert {tuple(own) for own in fine.vertices[fine.roles == role]} == {tuple(own) for own in short.vertices[short.roles == role]}
+    assert (fine.roles[n:] == INTERNAL).sum() == len(edges) - (len(short.vertices) - n)
+    assert fine.region_targets() == problem.region_targets() and fine.goals == problem.goals
 
 
 def test_within_faces_that_are_held_whole_nothing_is_divided():

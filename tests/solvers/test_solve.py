@@ -15,6 +15,7 @@ from compas_cgc import ProjectionSettings
 from compas_cgc import solve
 from compas_cgc.analysis import analyse
 from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.errors import FINER
 from compas_cgc.errors import Remedy
 from compas_cgc.model.measures import is_held_all_round
 from compas_cgc.model.measures import read_across
@@ -206,6 +207,17 @@ def test_a_column_level_with_those_beside_it_along_a_free_edge_is_what_makes_a_d
     assert Remedy("release", [n // 2]) in level.ending.remedies
     mesh.vertex_attribute(n // 2, "z", 1.5)
     assert solve(mesh).verdict.fair
+
+
+def test_where_the_mesh_is_too_coarse_that_is_said_and_not_that_the_supports_carry_nothing():
+    """A dome over a hexagon on 91 vertices is wavy beside the straight edges, along which no K > 0 is smooth."""
+    turns = 2.0 * np.pi * np.arange(7) / 6.0
+    mesh = CGCMesh.from_outline(4.3 * np.column_stack([np.cos(turns), np.sin(turns)]), edge_length=0.8)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.0083)
+    coarse = solve(mesh)
+    assert not coarse.verdict.fair and "mesh the drawing finer" in coarse.message and FINER in coarse.ending.remedies
+    assert solve(mesh.subdivided("corner")).verdict.fair
 
 
 def test_of_several_that_stall_the_nearest_is_returned(monkeypatch):
