@@ -232,6 +232,7 @@ def _with_less_energy(
     longest = CLOSE * size
     step, curvature = longest * found[0][: lagrangian.size], longest**2 * found[1]
     slope = float(np.einsum("i,i", model.gradient, step))
+    # On a symmetric surface there is no slope but rounding, and the direction has a side of its own.
     if slope > DECREASE * abs(curvature):
         step, slope = -step, -slope
     slope -= float(weights @ here.missed)
