@@ -21,12 +21,14 @@ from ..meshing.creases import crease_paths
 from ..model.divided import line_edges
 from ..model.divided import with_short_lines
 from ..model.goals.binding import equations_for_constants
+from ..model.goals.binding import held_by_newton
 from ..model.goals.binding import unknown_constants
 from ..model.goals.binding import unknown_regions
 from ..model.goals.guess import drawn_constant
 from ..model.goals.inequalities import Bound
 from ..model.measures import has_drifted
 from ..model.measures import has_free_edges
+from ..model.measures import is_held_all_round
 from ..model.measures import measured_curvature
 from ..model.measures import with_free_edges_held
 from ..model.problem import CGCProblem
@@ -64,8 +66,8 @@ def between_lines(problem: CGCProblem, choice: Choice, settings: Optional[Settin
 
     Towards a straight fixed edge one principal curvature is unbounded where K̄ > 0, and with it the bending energy. The lines are therefore
     found on a mesh of even triangles that does not depend on the given one, so that they rise alike on every mesh. The regions between them
-    are solved on the given mesh. Unknown K that goals determine are those for which this surface meets them. If the callback cancels, the
-    surface reached so far is returned.
+    are solved on the given mesh. Unknown K that goals determine are those for which this surface meets them; they are found here over a
+    rim that is held all round, too. If the callback cancels, the surface reached so far is returned.
 
     Parameters
     ----------
@@ -104,10 +106,12 @@ def _with_goals_met(
     """
     equations, unknown = equations_for_constants(asked), unknown_constants(asked)
     guess = lines.with_found(asked).with_goals([], add=False)
-    moves = moves_of_lines(guess, unknown_regions(asked), settings)
-    if moves is None:
-        return None
-    by_log = [sum(drawn_constant(guess, region) * moves[region] for region in constant.regions) for constant in unknown]
+    by_log: list[FloatArray] = []
+    if not held_by_newton(asked):
+        moves = moves_of_lines(guess, unknown_regions(asked), settings)
+        if moves is None:
+            return None
+        by_log = [np.sum([drawn_constant(guess, region) * moves[region] for region in constant.regions], axis=0) for constant in unknown]
     tried: list[tuple[float, CGCProblem, Solution, Solution]] = []
     slopes, change, before = np.zeros((len(equations), len(unknown))), np.zeros(len(unknown)), np.zeros(len(equations))
     for correction in range(2 * CORRECTIONS):
@@ -130,8 +134,11 @@ def _with_goals_met(
         tried.append((distance, guess, lines, solution))
         if correction % CORRECTIONS:
             slopes += np.outer(missing - before - slopes @ change, change) / float(change @ change)
-        else:
+        elif by_log:
             slopes = np.array([[float((own.gradient(solution.vertices) * move).sum()) for move in by_log] for own in equations])
+        else:
+            # Rise and volume of a shallow dome go with the root of K.
+            slopes = np.array([[0.5 * own.wanted] for own in equations])
         change, before = -np.linalg.pinv(slopes) @ missing, missing
         if not change.any():
             break
@@ -202,7 +209,15 @@ def _bent(posed: CGCProblem, settings: Optional[Settings], callback: Callback) -
 
 
 def _lines_of(problem: CGCProblem, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
-    """Return the surface of least bending and folding, on even triangles, at the vertices of the drawing; None if there is none."""
+    """Return the surface of least bending and folding, on even triangles, at the vertices of the drawing; None if there is none.
+
+    Over a rim that is held all round there are no lines, and it is the drawing with the K of angle defects.
+    """
+    if is_held_all_round(problem):
+        return Solution(problem.vertices, "converged", "", 0, 0.0, 0.0, [])
+    if held_by_newton(problem):
+        found = run_method(METHODS["newton"], problem, settings=settings, callback=callback)
+        return found._replace(vertices=problem.vertices) if found.status in ("converged", "cancelled") else None
     even = _on_even_triangles(problem)
     if even is None and has_free_edges(problem):
         return None
@@ -234,7 +249,7 @@ def _between(
     if found is None:
         return None
     lines = " and ".join(["creases"] * bool(len(problem.creases)) + ["free edges"] * has_free_edges(problem))
-    message = joined([found.message, f"{lines} are those of the surface that bends and folds least"])
+    message = joined([found.message, f"{lines} are those of the surface that bends and folds least"]) if lines else found.message
     return found._replace(message=message, targets=solution.targets)
 
 

@@ -52,7 +52,8 @@ PLAIN_RIM = Choice("newton", "the whole rim is fixed, and the smooth measure doe
 BETWEEN = (RIM, PLAIN_RIM)
 DETERMINED = "K̄ > 0 determines the surface between fixed edges and given creases and free edges"
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K", SMOOTH)
-PLAIN_UNKNOWN = Choice("newton", "one goal determines one unknown K, and the smooth measure does not converge")
+# The smooth measure follows a shape of given K where it does not follow one whose K is sought.
+GIVEN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K, found from surfaces of given K", then=BETWEEN)
 
 
 def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
@@ -81,7 +82,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         return _choices(alone)
     if problem.goals:
         if held_by_newton(problem):
-            return [ONE_UNKNOWN, PLAIN_UNKNOWN, GOALS]
+            return [ONE_UNKNOWN, GIVEN, GOALS]
         if finds_constants(problem) and not is_held_all_round(problem) and takes_goals(without_constants(problem)):
             return [*_between(problem, SOUGHT), GOALS]
         # The edges and the shape of a drawing that is kept are the projection's.

@@ -14,6 +14,9 @@ from compas_cgc import ProblemError
 from compas_cgc import Rise
 from compas_cgc import Volume
 from compas_cgc import solve
+from compas_cgc.model.problem import CGCProblem
+
+from ..system.fairness_study import plan_mesh
 
 
 def plan(supports):
@@ -46,6 +49,17 @@ def test_a_target_that_is_there_stays_and_bounds_fix_no_curvature():
     corners.set_target(0.004)
     result = solve(corners, goals=[Rise(2.5)])
     assert result.problem.region_targets()[0] == 0.004
+
+
+def test_over_a_rim_the_k_that_is_found_is_that_of_the_surface_which_meets_the_goal():
+    """On these triangles the smooth measure follows no shape whose K is sought, and the K of angle defects is 4 % off."""
+    _, vertices, faces, _ = plan_mesh(np.random.default_rng(70013), ("annulus", "square", "disc", "blob", "ellipse", "L"), (150, 250))
+    problem = CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.27)
+    known = solve(problem)
+    assert known.measure == "smooth" and known.verdict.fair
+    found = solve(problem.with_targets(0.19), goals=[Rise(float(known.vertices[:, 2].max()))], unknown="all")
+    assert found.converged and found.problem.region_targets()[0] == pytest.approx(0.27, rel=1e-6)
+    assert found.vertices == pytest.approx(known.vertices, abs=1e-6)
 
 
 @cache
