@@ -33,6 +33,7 @@ from ..model.measures import measured_curvature
 from ..model.measures import with_free_edges_held
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
+from ..model.result import History
 from ..model.result import Solution
 from ..model.roles import FIXED
 from .choices import Choice
@@ -214,7 +215,7 @@ def _lines_of(problem: CGCProblem, settings: Optional[Settings], callback: Callb
     Over a rim that is held all round there are no lines, and it is the drawing with the K of angle defects.
     """
     if is_held_all_round(problem):
-        return Solution(problem.vertices, "converged", "", 0, 0.0, 0.0, [])
+        return Solution(problem.vertices, "converged", "", 0, 0.0, 0.0, History.from_rows([]))
     if held_by_newton(problem):
         found = run_method(METHODS["newton"], problem, settings=settings, callback=callback)
         return found._replace(vertices=problem.vertices) if found.status in ("converged", "cancelled") else None
