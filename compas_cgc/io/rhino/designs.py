@@ -100,7 +100,9 @@ def _drawn_design(path: Union[str, os.PathLike], seams: Optional[str]) -> DrawnD
     units, north = unit_name(archive.Settings.ModelUnitSystem), north_of(archive)
     if spline is not None:
         return DrawnDesign(spline, np.empty((0, 3)), np.empty((0, 4), np.int64), held, lines, units, tolerance, said, north)
-    parts, notes = zip(*(_meshed(item, surfaces, tolerance) for item in surfaces))
+    # A damaged mesh is refused before the surfaces beside it are meshed, which takes seconds.
+    drawn = {k: to_part(item) for k, item in enumerate(surfaces) if item.kind == "mesh"}
+    parts, notes = zip(*(drawn[k] if k in drawn else _meshed(item, surfaces, tolerance) for k, item in enumerate(surfaces)))
     counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     vertices = np.concatenate([part.vertices for part in parts])
     faces = np.concatenate([part.faces + count for part, count in zip(parts, counts)])
@@ -147,8 +149,6 @@ def _places(item: Item, tolerance: float) -> FloatArray:
 
 
 def _meshed(item: Item, surfaces: Sequence[Item], tolerance: float) -> tuple[Any, list[str]]:
-    if item.kind == "mesh":
-        return to_part(item)
     try:
         made = surface_part(item, size_of(*(other.geometry for other in surfaces)) / FINE, tolerance)
         return made.part, made.notes
