@@ -80,10 +80,9 @@ def _of_region(problem: CGCProblem, region: int, over_lines: bool) -> Iterator[s
     over: Optional[_Between] = None
     under: Optional[_Between] = None
     level: list[_Between] = []
-    walls = _of_walls(problem)
     for found in _between(problem, F, supports, size, over_lines):
         if abs(found.over) <= DRAWING_ACCURACY * size:
-            if not found.along or (over_lines and found.vertex not in walls):
+            if over_lines or not found.along:
                 level.append(found)
         elif found.over > 0:
             # The advice has to hold for all lines over which the same support lies: keep its largest height.
@@ -91,6 +90,8 @@ def _of_region(problem: CGCProblem, region: int, over_lines: bool) -> Iterator[s
         else:
             under = found if under is None or (found.vertex == under.vertex and found.over < under.over) else under
     names = problem.names.vertices
+    walls = _of_walls(problem) if level else set()
+    level = [found for found in level if not (found.along and found.vertex in walls)]
     if level:
         height = float(problem.vertices[level[0].vertex, 2])
         text = (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..discrete import edge_faces
@@ -71,7 +73,10 @@ def with_halved_edges(problem: CGCProblem) -> CGCProblem:
     problem
         Problem without dummies and laws.
     """
-    return _halved(problem, np.sort(edge_faces(problem.faces)[:, :2], axis=1))
+    n, edges = len(problem.vertices), np.sort(edge_faces(problem.faces)[:, :2], axis=1)
+    fine = _halved(problem, edges)
+    along = np.isin(edges @ [n, 1], line_edges(problem) @ [n, 1])
+    return replace(fine, roles=np.concatenate([problem.roles, np.where(along, fine.roles[n:], INTERNAL)]))
 
 
 def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
@@ -81,12 +86,9 @@ def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     halved = between >= 0
     at, (start, end) = between[halved], problem.creases[halved].T
     creases = np.vstack([problem.creases[~halved], np.column_stack([start, at]), np.column_stack([at, end])])
-    faces = edge_faces(problem.faces)
-    roles = np.full(len(edges), INTERNAL)
-    roles[np.isin(edges @ [n, 1], np.sort(faces[faces[:, 3] < 0, :2], axis=1) @ [n, 1])] = FREE
+    roles = np.full(len(edges), FREE)
     roles[at - n] = CREASE
-    along = np.isin(edges @ [n, 1], line_edges(problem) @ [n, 1])
-    roles[along & (problem.roles[edges] == FIXED).all(axis=1)] = FIXED
+    roles[(problem.roles[edges] == FIXED).all(axis=1)] = FIXED
     # A vertex of a crease belongs to several regions, so that the target is that of the other end.
     counted = problem.roles[edges] != CREASE
     counted |= ~counted.any(axis=1)[:, None]
