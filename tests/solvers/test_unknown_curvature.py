@@ -16,6 +16,7 @@ from compas_cgc.linalg.work import Work
 from compas_cgc.model.constraint_data import constraint_of
 from compas_cgc.model.goals.unknown_text import unknown_data
 from compas_cgc.model.goals.unknown_text import unknown_text
+from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.goal_seeking import seek
 from compas_cgc.solvers.polish.settings import PolishSettings
 
@@ -88,6 +89,35 @@ def test_k_is_found_on_the_surface_of_even_curvature_where_the_one_of_least_bend
     result = solve(mesh, targets=-0.05, goals=[Rise(rise)], unknown="all")
     assert result.verdict.fair and result.problem.region_targets() == [pytest.approx(-0.05, rel=1e-6)]
     assert result.message.count("evenness") == 1
+
+
+def courtyard(length, hole, nx=9, ny=10):
+    """Return a flat roof of 12 m by a length around a courtyard, which is given by rows and columns of vertices, on its four corners."""
+    mesh = CGCMesh.from_meshgrid(dx=12.0, nx=nx, dy=length, ny=ny)
+    V, F = mesh.arrays()
+    i, j = np.round(V[:, 0] / 12.0 * nx), np.round(V[:, 1] / length * ny)
+    inside = (i >= hole[0]) & (i <= hole[1]) & (j >= hole[2]) & (j <= hole[3])
+    corners = [k for k in range(len(V)) if i[k] in (0, nx) and j[k] in (0, ny)]
+    used, F = np.unique(F[~inside[F].all(axis=1)], return_inverse=True)
+    return CGCProblem(V[used], F.reshape(-1, 3)).with_supports(np.searchsorted(used, corners).tolist())
+
+
+@pytest.mark.parametrize("length, hole, K, drawn", [(12.2, (2, 4, 3, 5), -0.0092, 1.8), (13.9, (2, 5, 2, 4), -0.0091, 1.8)])
+def test_a_rise_is_found_where_it_grows_with_a_constant_and_falls_again(length, hole, K, drawn):
+    plan = courtyard(length, hole)
+    rise = float(solve(plan, targets=K).vertices[:, 2].max())
+    result = solve(plan, targets=drawn * K, goals=[Rise(rise)], unknown="all")
+    assert result.converged and result.verdict.fair and result.problem.region_targets()[0] < 0.0
+    assert result.vertices[:, 2].max() == pytest.approx(rise, abs=1e-6)
+
+
+def test_a_search_between_two_surfaces_can_be_cancelled():
+    plan, settings = courtyard(12.2, (2, 4, 3, 5)).with_targets(1.8 * -0.0092), PolishSettings()
+    whole = seek(plan.with_goals([Rise(2.0435), Unknown()]), settings)
+    for steps in range(10, whole.iterations - 10, 40):
+        count = iter(range(steps))
+        stopped = seek(plan.with_goals([Rise(2.0435), Unknown()]), settings, lambda state, count=count: next(count, None) is None)
+        assert stopped.status == "cancelled" and stopped.iterations <= steps + 20
 
 
 def test_the_sign_may_be_other_than_drawn():

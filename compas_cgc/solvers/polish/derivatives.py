@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator
@@ -19,19 +20,35 @@ from .lagrangian import Lagrangian
 from .lagrangian import State
 from .optimiser import regularisation
 from .optimiser import steps
+from .polisher import begun_from
 from .polisher import places
 from .polisher import posed_as_set
 from .posed import pair_rates
 from .saddle import Saddle
 from .settings import PolishSettings
-from .starts import from_surface
 
-__all__ = ["moves_by_constants"]
+__all__ = ["Rate", "moves_by_constants", "rates_by_constants"]
+
+
+class Rate(NamedTuple):
+    """The derivatives of a surface by a constant."""
+
+    moves: FloatArray  # (n, 3) of its vertices [L per unit of the constant: L^3 for K, L^2 for H]
+    unknowns: FloatArray  # (u,) of its moves and angles in the frame, per unit of the constant
+
+    def times(self, factor: float) -> Rate:
+        """Return the derivatives by another unit of the constant."""
+        return Rate(factor * self.moves, factor * self.unknowns)
 
 
 def moves_by_constants(
     problem: CGCProblem, settings: PolishSettings, vertices: FloatArray, regions: Iterable[int]
 ) -> dict[int, FloatArray]:
+    """Return the moves (n, 3) of :func:`rates_by_constants` by region."""
+    return {region: rate.moves for region, rate in rates_by_constants(problem, settings, vertices, regions).items()}
+
+
+def rates_by_constants(problem: CGCProblem, settings: PolishSettings, surface: FloatArray, regions: Iterable[int]) -> dict[int, Rate]:
     r"""Return the derivatives of the surface by the constants of regions.
 
     .. math:: \begin{pmatrix} W & J^T \\ J & 0 \end{pmatrix} \begin{pmatrix} dx \\ d\lambda \end{pmatrix}
@@ -47,19 +64,19 @@ def moves_by_constants(
         The drawing, with supports, targets and laws.
     settings
         Of the solve.
-    vertices
-        ``(n, 3)`` the surface that was found [L].
+    surface
+        ``(n, 3)`` vertices of the surface that was found [L], or its moves and angles ``(u,)``.
     regions
         Numbers of regions.
 
     Returns
     -------
     dict
-        ``(n, 3)`` dx/dc by region [L per unit of the constant: L^3 for K, L^2 for H].
+        dx/dc by region.
     """
     posed = posed_as_set(problem, settings)
     own, frame = posed.lagrangian, posed.frame
-    here, multipliers = from_surface(own, frame.to_local(vertices)), np.zeros(own.count)
+    here, multipliers = begun_from(own, frame, surface), np.zeros(own.count)
     forces = np.zeros(len(here.met.values))
     for step in steps(own, here, places(own), posed.size):
         here, multipliers, forces = step.state, step.multipliers, step.forces
@@ -81,7 +98,8 @@ def moves_by_constants(
         # Similarities and normalisation multiply the constant, by the factor that 1 gets.
         unit = law.with_constant(1.0).scaled(1.0 / frame.scale).normalised().constant
         assert unit is not None
-        found[region] = unknowns[: len(vertices), None] * own.mesh.directions * frame.scale * unit
+        unknowns *= unit
+        found[region] = Rate(unknowns[: len(own.drawing), None] * own.mesh.directions * frame.scale, unknowns)
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 from typing import NamedTuple
 from typing import Optional
 
@@ -17,6 +18,7 @@ from ...errors import ProblemError
 from ...errors import Sentence
 from ...errors import joined
 from ...errors import use_method
+from ...linalg.work import is_spent
 from ...linalg.work import until_spent
 from ...model.checks import GENTLE_TOTAL_CURVATURE
 from ...model.goals.binding import Equation
@@ -44,7 +46,8 @@ from ..constants import DECREASE
 from ..constants import LARGEST_FACTOR
 from ..constants import MAX_STEPS
 from ..constants import SHORTEST
-from .derivatives import moves_by_constants
+from .derivatives import Rate
+from .derivatives import rates_by_constants
 from .polisher import Found
 from .polisher import fairest
 from .posed import takes_goals
@@ -54,25 +57,31 @@ __all__ = ["seek"]
 
 FIRST = 8  # halvings of drawn constants until a first surface is found; the last one is 256 times smaller, nearly a plate
 MOST_CURVED = 2.0 * math.pi  # largest total curvature of a guess [rad]; that of a half sphere, beyond which a cap has no plan
-# distance from the goals over that after twice the step, above which the branch ends; on a branch the decrease follows the step
-STUCK = 0.9
+# distance to a surface over that to the one after twice the step, above which it is on another branch; on a branch it follows the step
+JUMP = 0.9
+MOST_STARTS = 2  # constants with fair surfaces, first those drawn, from which goals are sought; each takes seconds where there is no way
+ENDED = ("infeasible", "step_limit")  # statuses after which other ways to the goals are tried
+NEAR_ENOUGH = 0.1  # part of the distance from a goal from which Newton's method goes on; then its steps stay between the two surfaces
 
 
 class _Here(NamedTuple):
     """A surface for some constants, and by how much it misses the goals."""
 
     logs: FloatArray  # (k,) log of the constant over that drawn
-    solution: Solution
-    evenness: float  # against the square root of the area
+    found: Found
     missing: FloatArray  # (e,) values less those wanted, over the power of the size
+
+    @property
+    def solution(self) -> Solution:
+        return self.found.solution
+
+    @property
+    def unknowns(self) -> FloatArray:
+        return self.found.unknowns[0]
 
     @property
     def distance(self) -> float:
         return float(np.linalg.norm(self.missing))
-
-    @property
-    def energy(self) -> float:
-        return self.solution.branches[0].energy
 
 
 def seek(problem: CGCProblem, settings: PolishSettings, callback: Callback = None) -> Solution:
@@ -121,20 +130,77 @@ class _Seeker:
         self.steps, self.seconds = 0, 0.0
 
     def run(self) -> Solution:
-        here = self._first()
-        if here.solution.status != "converged":
-            return self._ended(here, here.solution.status, here.solution.message)
-        return [self._given_up(here), *until_spent(self._approached(here))][-1]
+        found: Optional[Solution] = None
+        for branches in islice(self._starts(), MOST_STARTS):
+            here = branches[0]
+            if here.solution.status != "converged":
+                stopped = self._ended(here, here.solution.status, here.solution.message)
+                return stopped if found is None or stopped.status == "cancelled" else found
+            last = [self._given_up(here), *until_spent(self._approached(here))][-1]
+            if last.status in ENDED and len(self.unknown) == 1:
+                last = [last, *until_spent(self._crossed(branches))][-1]
+            if last.status not in ENDED:
+                return last
+            found = found or last
+        assert found is not None, "there is at least one start"
+        return found
+
+    def _crossed(self, firsts: list[_Here]) -> Iterator[Solution]:
+        """Yield the first surface that meets a goal between two on the branches of given ones.
+
+        A rise may grow with a constant and then fall again, so that the nearest way to it ends beside one that is not reached.
+        """
+        for first in firsts:
+            for way in (-1.0, 1.0):
+                before = first
+                for there in self._along(first, way):
+                    if there.solution.status == "cancelled":
+                        yield self._ended(there, "cancelled", there.solution.message)
+                        return
+                    if before.missing[0] * there.missing[0] <= 0.0:
+                        for found in self._between(before, there):
+                            if found.status in ("converged", "cancelled"):
+                                yield found
+                                return
+                    before = there
+
+    def _between(self, one: _Here, other: _Here) -> Iterator[Solution]:
+        """Yield surfaces that come ever nearer to a goal between two, whose interval is halved until Newton's method is near enough."""
+        near = NEAR_ENOUGH * max(one.distance, other.distance)
+        while np.abs(one.logs - other.logs).max() > SHORTEST:
+            nearer = min(one, other, key=lambda here: here.distance)
+            if nearer.distance <= near:
+                yield from self._approached(nearer)
+                return
+            middle = self._at(0.5 * (one.logs + other.logs), nearer.unknowns, nearer.found.evenness)
+            if middle.solution.status == "cancelled":
+                yield self._ended(middle, "cancelled", middle.solution.message)
+            if not middle.solution.is_fair:
+                return
+            one, other = (middle, other) if middle.missing[0] * one.missing[0] > 0.0 else (one, middle)
+
+    def _along(self, here: _Here, way: float) -> Iterator[_Here]:
+        """Yield the fair surfaces on the branch of one, for ever smaller or larger constants, or one that was cancelled."""
+        least, largest = np.maximum(self.bounds[0], here.logs - FIRST * LARGEST_FACTOR), self.bounds[1]
+        while here.solution.is_fair:
+            logs = np.clip(here.logs + way * LARGEST_FACTOR, least, largest)
+            if (logs == here.logs).all():
+                return
+            here = self._at(logs, here.unknowns, here.found.evenness)
+            if here.solution.is_fair or here.solution.status == "cancelled":
+                yield here
 
     def _approached(self, here: _Here) -> Iterator[Solution]:
         """Yield surfaces that come ever nearer to the goals."""
         for _ in range(MAX_STEPS):
             if np.abs(here.missing).max() <= DRAWING_ACCURACY:
                 here = self._landed(here)
-                said = Found(here.solution, here.evenness).told(self.settings).message
+                said = here.found.told(self.settings).message
                 yield self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", said]))
                 return
             after = self._stepped(here)
+            if is_spent():
+                return
             if after is None:
                 yield self._ended(here, "infeasible", self._unreachable(here))
                 return
@@ -149,37 +215,47 @@ class _Seeker:
         return self._ended(here, "stalled", f"the search for the unknown constants was given up: {self._reached(here)}")
 
     def _at(self, logs: FloatArray, start: Optional[FloatArray], evenness: Optional[float]) -> _Here:
-        """Return the surface for logarithms of the constants (k,), from another (n, 3) if there is one, which then says how even it is."""
+        """Return the surface for logarithms of the constants (k,), from the moves and angles of another (u,) if there is one."""
         settings = replace(self.settings, evenness=evenness)
-        solution, evenness = fairest(self._rising(logs), settings, None if start is None else [start], self.callback)
-        self.steps, self.seconds = self.steps + solution.iterations, self.seconds + solution.seconds
-        if start is None and solution.branches:
-            # The goals say which of several branches is sought, such as the dome or the bowl.
-            nearest = min(solution.branches, key=lambda branch: float(np.linalg.norm(self._missing(branch.vertices))))
-            if nearest is not solution.branches[0]:
-                return self._at(logs, nearest.vertices, evenness)
-        return _Here(logs, solution, evenness, self._missing(solution.vertices))
+        found = fairest(self._rising(logs), settings, None if start is None else [start], self.callback)
+        self.steps, self.seconds = self.steps + found.solution.iterations, self.seconds + found.solution.seconds
+        return _Here(logs, found, self._missing(found.solution.vertices))
 
-    def _first(self) -> _Here:
-        """Return a fair surface for the constants drawn, or for smaller ones if there is none; else the first that arrives."""
+    def _branches(self, here: _Here) -> list[_Here]:
+        """Return the branches that were found with a surface, the nearest to the goals first: these say which one is sought."""
+        fair = [own for own, branch in zip(here.found.unknowns, here.solution.branches) if branch.fair]
+        others = [self._at(here.logs, own, here.found.evenness) for own in fair[1:]]
+        return sorted([here, *(other for other in others if other.solution.is_fair)], key=lambda branch: branch.distance)
+
+    def _starts(self) -> Iterator[list[_Here]]:
+        """Yield the fair surfaces for the constants drawn, then for ever smaller ones; the first that arrives if none is fair."""
         total = float(np.abs(np.nan_to_num(self.problem.face_targets())) @ face_areas(self.problem.vertices, self.problem.faces))
         # A guess in other units may be wrong by powers of ten; it then says nothing but the sign.
         factor = GENTLE_TOTAL_CURVATURE / total if total > MOST_CURVED else 1.0
         tried: list[_Here] = []
         for halvings in range(FIRST):
             logs = np.maximum(np.full(len(self.unknown), math.log(factor) - halvings * LARGEST_FACTOR), self.bounds[0])
+            if tried and (logs == tried[-1].logs).all():
+                break
             tried.append(self._at(logs, None, self.settings.evenness))
-            if tried[-1].solution.status == "cancelled" or tried[-1].solution.is_fair:
-                return tried[-1]
-        return next((here for here in tried if here.solution.status == "converged"), tried[-1])
+            if tried[-1].solution.status == "cancelled":
+                yield tried[-1:]
+                return
+            if tried[-1].solution.is_fair:
+                yield self._branches(tried[-1])
+        if not any(here.solution.is_fair for here in tried):
+            yield [next((here for here in tried if here.solution.status == "converged"), tried[-1])]
 
-    def _change(self, here: _Here) -> tuple[FloatArray, list[FloatArray]]:
-        """Return the changes of the logarithms (k,) by Newton's method, zero where goals do not depend on them, and the moves (n, 3)."""
+    def _change(self, here: _Here) -> tuple[FloatArray, list[Rate]]:
+        """Return the changes of the logarithms (k,) by Newton's method, zero where goals do not depend on them, and the rates of each."""
         posed, V = self._rising(here.logs), here.solution.vertices
-        moves = moves_by_constants(posed, replace(self.settings, evenness=here.evenness), V, self.numbers)
-        by_region = {number: moves[number] * constant for number, (_, constant) in zip(self.numbers, self._constants(posed))}
-        by_log = [np.sum([by_region[region] for region in own.regions], axis=0) for own in self.unknown]
-        J = np.array([[float((own.gradient(V) * move).sum()) / self.size**own.power for move in by_log] for own in self.equations])
+        constants = {number: constant for number, (_, constant) in zip(self.numbers, self._constants(posed))}
+        rates = rates_by_constants(posed, replace(self.settings, evenness=here.found.evenness), here.unknowns, self.numbers)
+        by_log = []
+        for own in self.unknown:
+            parts = [rates[number].times(constants[number]) for number in own.regions]
+            by_log.append(Rate(np.sum([part.moves for part in parts], axis=0), np.sum([part.unknowns for part in parts], axis=0)))
+        J = np.array([[float((own.gradient(V) * rate.moves).sum()) / self.size**own.power for rate in by_log] for own in self.equations])
         change = np.zeros(len(by_log))
         if np.abs(J).max() > ROUNDING:
             inside, (least, largest) = np.ones(len(change), bool), self.bounds - here.logs
@@ -196,10 +272,10 @@ class _Seeker:
     def _landed(self, here: _Here) -> _Here:
         """Return the surface that meets the goals to rounding; it is nearer than what is left of waves where energy hardly changes."""
         change, by_log = self._change(here)
-        vertices = here.solution.vertices + sum(part * move for part, move in zip(change, by_log))
+        vertices = here.solution.vertices + sum(part * rate.moves for part, rate in zip(change, by_log))
         branches = tuple(one._replace(vertices=vertices) for one in here.solution.branches)  # the one that was followed
         solution = here.solution._replace(vertices=vertices, branches=branches)
-        return here._replace(logs=here.logs + change, solution=solution, missing=self._missing(vertices))
+        return here._replace(logs=here.logs + change, found=here.found._replace(solution=solution), missing=self._missing(vertices))
 
     def _stepped(self, here: _Here) -> Optional[_Here]:
         """Return the surface after the first of ever shorter steps that comes nearer to the goals; None without any."""
@@ -210,12 +286,11 @@ class _Seeker:
             change = np.clip(self.bounds[1] - here.logs, 0.0, LARGEST_FACTOR)
         if not change.any():
             return None
-        V = here.solution.vertices
         change *= min(1.0, LARGEST_FACTOR / float(np.abs(change).max()))
         before = math.inf
         while np.abs(change).max() >= SHORTEST * min(1.0, here.distance):
-            start = V + sum(part * move for part, move in zip(change, by_log))
-            there = self._at(here.logs + change, start, here.evenness)
+            start = here.unknowns + sum(part * rate.unknowns for part, rate in zip(change, by_log))
+            there = self._at(here.logs + change, start, here.found.evenness)
             if there.solution.status == "cancelled":
                 return there
             # Beyond a fair surface another may be as high, with folds.
@@ -223,9 +298,10 @@ class _Seeker:
             nearer = there.distance <= (1.0 - DECREASE) * here.distance
             if sound and (nearer or not (responds or np.isfinite(before))):
                 return there
-            if sound and there.distance > STUCK * before and there.energy < here.energy:
+            moved = float(np.abs(there.solution.vertices - here.solution.vertices).max())
+            if sound and moved > JUMP * before and there.solution.branches[0].energy < here.solution.branches[0].energy:
                 return there  # on another branch, with less energy however short the step is
-            before, change = there.distance, 0.5 * change
+            before, change = moved, 0.5 * change
         return None
 
     def _posed(self, logs: FloatArray) -> CGCProblem:
@@ -265,7 +341,7 @@ class _Seeker:
             targets=posed.targets,
             laws=posed.laws,
             verdict=judged,
-            evenness=here.evenness,
+            evenness=here.found.evenness,
         )
 
     def _names(self) -> str:

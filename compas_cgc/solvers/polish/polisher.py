@@ -65,7 +65,7 @@ from .starts import over_its_plate
 from .starts import saddles
 from .starts import starts
 
-__all__ = ["Found", "Posed", "fairest", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
+__all__ = ["Found", "Posed", "begun_from", "fairest", "keeps_shape", "places", "plates", "polish", "posed_as_set"]
 
 # lengths of even curvature over √area that are tried where K̄ < 0; least bending first, then without branch points (docs/method.md)
 EVEN = (0.0, 0.55, 0.4)
@@ -154,6 +154,7 @@ class Found(NamedTuple):
 
     solution: Solution
     evenness: float  # against the square root of the area
+    unknowns: list[FloatArray]  # (u,) moves and angles in the frame of each branch, else of the surface
 
     def told(self, settings: PolishSettings) -> Solution:
         """Return the surface; its message states the evenness where the settings do not."""
@@ -164,8 +165,8 @@ class Found(NamedTuple):
 def fairest(problem: CGCProblem, settings: PolishSettings, begun: Optional[list[FloatArray]], callback: Callback) -> Found:
     """Return the first fair surface for ever more even curvature, the least first, else the least rough.
 
-    Where the mesh is large this is settled on fewer and even triangles over the same drawing. Begun from surfaces (n, 3) of other targets
-    it is the least.
+    Where the mesh is large this is settled on fewer and even triangles over the same drawing. Begun from surfaces of other targets,
+    vertices (n, 3) or moves and angles (u,), it is the least.
     """
     hyperbolic = (problem.types[problem.asked] < 0).any() or any(law.type == "hyperbolic" for law in problem.laws.values())
     tried = EVEN if hyperbolic and not begun else EVEN[:1]
@@ -186,11 +187,11 @@ def _evenly(problem: CGCProblem, settings: PolishSettings, tried: tuple[float, .
     """Return the first fair surface for one length of even curvature after another, else the least rough."""
     found: list[Found] = []
     for evenness, lifted in [(own, False) for own in tried] + [(own, True) for own in tried[1:2]]:
-        solution = _least_energy(problem, replace(settings, evenness=evenness), begun, callback, lifted)
-        if solution is None:
+        least = _least_energy(problem, replace(settings, evenness=evenness), begun, callback, lifted)
+        if least is None:
             break
-        found.append(Found(solution, evenness))
-        if solution.status == "cancelled" or solution.is_fair:
+        found.append(Found(least[0], evenness, least[1]))
+        if found[-1].solution.status == "cancelled" or found[-1].solution.is_fair:
             return found[-1]
         if is_spent():
             break
@@ -208,10 +209,10 @@ def _carried(callback: Callback, coarse: Coarse, anew: bool) -> Callback:
 
 def _least_energy(
     problem: CGCProblem, settings: PolishSettings, surfaces: list[FloatArray], callback: Callback, lifted: bool
-) -> Optional[Solution]:
-    """Return the fair surface of least energy to which surfaces (n, 3) lead, or all starts that are found without any.
+) -> Optional[tuple[Solution, list[FloatArray]]]:
+    """Return the fair surface of least energy to which surfaces lead, or all starts that are found without any, and unknowns (u,).
 
-    These are plates over the supports, or saddles over lifted supports; None where there are no such saddles.
+    Starts are plates over the supports, or saddles over lifted supports; None where there are no such saddles.
     """
     lagrangian, local, frame, size = posed_as_set(problem, settings)
     moved = np.flatnonzero(problem.roles != DUMMY)[local.movable]
@@ -230,7 +231,8 @@ def _least_energy(
     search = _Search(lagrangian, local, size, settings, recorder)
     begun: Iterable[Union[State, Lifted]] = starts(lagrangian) if not lifted else saddles(lagrangian) if not kept else ()
     if surfaces:
-        begun = [from_surface(lagrangian, frame.to_local(one)[problem.roles != DUMMY]) for one in surfaces]
+        real = problem.roles != DUMMY
+        begun = [begun_from(lagrangian, frame, one[real] if one.ndim > 1 else one) for one in surfaces]
     ends: list[_End] = []
     starting: list[State] = []
     missed = math.inf  # by the saddle with which the search may end; another one that misses the supports by as much is its equal
@@ -272,7 +274,7 @@ def _least_energy(
     said = [_message(best.status, len(recorder), errors, branches)]
     if best.arrived and _is_turned_over(lagrangian, best.state, problem.goals):
         said.append(TURNED_OVER)
-    return Solution(
+    solution = Solution(
         to_model(lagrangian.vertices(best.state.unknowns)),
         best.status,
         joined(said),
@@ -284,6 +286,12 @@ def _least_energy(
         verdict=judged(best) if found else None,
         branches=branches,
     )
+    return solution, [end.state.unknowns for end in found or [best]]
+
+
+def begun_from(lagrangian: Lagrangian, frame: Frame, surface: FloatArray) -> State:
+    """Return the state of a surface of other targets, given by vertices (n, 3) [L] or by moves and angles (u,)."""
+    return lagrangian.at(surface.copy()) if surface.ndim == 1 else from_surface(lagrangian, frame.to_local(surface))
 
 
 def _is_turned_over(lagrangian: Lagrangian, state: State, goals: Sequence[Constraint]) -> bool:
