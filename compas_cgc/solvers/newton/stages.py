@@ -45,7 +45,7 @@ class Stages:
     def beginning(self, shape: Shape) -> System:
         """Return the system to begin with: of a shape near to its targets in the smooth measure, that of these."""
         first = self.first
-        half = float(np.median(np.abs(shape.curvature))) > 0.5 * first.scale
+        half = len(shape.curvature) and float(np.median(np.abs(shape.curvature))) > 0.5 * first.scale
         if self.measure != "smooth" or not first.problem.real_faces.all() or not half:
             return first
         told = first.with_layout(first.layout_at(shape.vertices))
