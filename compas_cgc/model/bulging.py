@@ -142,6 +142,8 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float, 
         for c, t in zip(supports[on].tolist(), share[on]):
             if held or not (along and rim[[a, b, c]].all()):
                 yield _Between(c, (a, b), float(z[c] - (1.0 - t) * z[a] - t * z[b]), along)
+    # What lies in a triangle with a corner within a straight wall lies in one with a corner at an end of the wall, too.
+    supports = np.setdiff1d(supports, _within_walls(problem, F, size))
     if len(supports) > MAX_SUPPORTS_TRIPLES:
         return
     grid = np.array([(i, j, SAMPLES - i - j) for i in range(SAMPLES + 1) for j in range(SAMPLES + 1 - i)]) / SAMPLES
@@ -188,6 +190,17 @@ def _straight_sides(plan: FloatArray, F: IntArray) -> Mask:
     for k, side in enumerate(on):
         sides[side, k] = True
     return sides
+
+
+def _within_walls(problem: CGCProblem, F: IntArray, size: float) -> IntArray:
+    """Return the supports on the straight line between the supports before and behind them along the rim of the faces."""
+    V, held, found = problem.vertices, problem.roles == FIXED, []
+    for loop in boundary_loops(F):
+        before, behind = np.roll(loop, 1), np.roll(loop, -1)
+        chord = unit_vectors(V[behind] - V[before])
+        off = np.linalg.norm(np.cross(V[loop] - V[before], chord), axis=1)
+        found.append(loop[held[loop] & held[before] & held[behind] & (off <= DRAWING_ACCURACY * size)])
+    return np.concatenate(found)
 
 
 def _put(corners: FloatArray, k: int, point: FloatArray) -> FloatArray:

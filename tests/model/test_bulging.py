@@ -73,6 +73,15 @@ def test_columns_along_a_free_edge_over_its_line_are_named_and_walls_are_not():
     assert not two_sided_supports(columns(*CORNERS, *wall), over_lines=True)
 
 
+@pytest.mark.parametrize("height, words", [(3, "vertex 30 lies on the straight line or plane"), (4, None)])
+def test_columns_between_a_wall_and_others(height, words):
+    """Columns as high as a wall behind them and the columns in front of them, and ones that are higher."""
+    wall = [(0, y, 3) for y in range(9)]
+    said = two_sided_supports(columns(*wall, (7, 2, 3), (7, 6, 3), (3, 3, height), (3, 5, height)))
+    assert said == [] if words is None else len(said) == 1 and words in said[0]
+    assert two_sided_supports(columns(*wall, (7, 2, 3), (7, 6, 3))) == []
+
+
 def test_lines_through_a_court_are_none():
     """The way between the two ends of an L leads over its court, where there is no surface."""
     ends = columns((8, 0, 3), (0, 8, 3), (3, 3, 2), (0, 0, 3), corner=True)
