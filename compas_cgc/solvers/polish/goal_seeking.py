@@ -142,6 +142,8 @@ class _Seeker:
             if last.status not in ENDED:
                 return last
             found = found or last
+            if is_spent():
+                break
         assert found is not None, "there is at least one start"
         return found
 
