@@ -67,6 +67,17 @@ def test_with_all_edges_halved_each_face_is_four_and_lines_stay_lines(problem):
     assert fine.region_targets() == problem.region_targets() and fine.goals == problem.goals
 
 
+def test_edges_from_crease_to_crease_across_a_corner_have_the_target_of_their_region():
+    mesh = CGCMesh.from_meshgrid(dx=8.0, nx=8)
+    mesh.set_creases([[9 * i + 4 for i in range(9)], [9 * 4 + i for i in range(9)]])
+    for region, K in enumerate([0.02, -0.02, -0.02, 0.02]):
+        mesh.set_target(K, region=region)
+    problem = mesh.to_problem()
+    ends = problem.roles[np.sort(edge_faces(problem.faces)[:, :2], axis=1)] == CREASE
+    assert ends.all(axis=1).sum() > len(problem.creases), "some edges cross a corner"
+    assert with_halved_edges(problem).region_targets() == problem.region_targets() == [0.02, -0.02, -0.02, 0.02]
+
+
 def test_within_faces_that_are_held_whole_nothing_is_divided():
     mesh = CGCMesh.from_meshgrid(dx=6.0, nx=6)
     mesh.set_supports(range(3 * 7))
