@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -109,6 +111,15 @@ def test_a_rise_is_found_where_it_grows_with_a_constant_and_falls_again(length, 
     result = solve(plan, targets=drawn * K, goals=[Rise(rise)], unknown="all")
     assert result.converged and result.verdict.fair and result.problem.region_targets()[0] < 0.0
     assert result.vertices[:, 2].max() == pytest.approx(rise, abs=1e-6)
+
+
+def test_of_a_rise_that_is_not_reached_the_largest_on_the_way_is_said():
+    plan = courtyard(12.2, (2, 4, 3, 5))
+    result = solve(plan, targets=-0.005, goals=[Rise(6.0)], unknown="all")
+    reached = float(re.search(r"for the rise 6 the surface reaches ([\d.]+) instead of 6", result.message).group(1))
+    assert result.status == "infeasible" and result.vertices[:, 2].max() == pytest.approx(reached, rel=1e-5)
+    for K in (-0.005, -0.01):
+        assert solve(plan, targets=K).vertices[:, 2].max() < reached
 
 
 def test_a_search_between_two_surfaces_can_be_cancelled():

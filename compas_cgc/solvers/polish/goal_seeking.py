@@ -128,6 +128,7 @@ class _Seeker:
         self.problem, self.below = without_constants(drawn), _is_against_normals(problem)
         self.numbers = unknown_regions(problem)
         self.steps, self.seconds = 0, 0.0
+        self.nearest: Optional[_Here] = None  # the fair surface that misses the goals least
 
     def run(self) -> Solution:
         found: Optional[Solution] = None
@@ -145,6 +146,8 @@ class _Seeker:
             if is_spent():
                 break
         assert found is not None, "there is at least one start"
+        if found.status == "infeasible" and self.nearest is not None:
+            return self._ended(self.nearest, "infeasible", self._unreachable(self.nearest))
         return found
 
     def _crossed(self, firsts: list[_Here]) -> Iterator[Solution]:
@@ -221,7 +224,10 @@ class _Seeker:
         settings = replace(self.settings, evenness=evenness)
         found = fairest(self._rising(logs), settings, None if start is None else [start], self.callback)
         self.steps, self.seconds = self.steps + found.solution.iterations, self.seconds + found.solution.seconds
-        return _Here(logs, found, self._missing(found.solution.vertices))
+        here = _Here(logs, found, self._missing(found.solution.vertices))
+        if here.solution.is_fair and (self.nearest is None or here.distance < self.nearest.distance):
+            self.nearest = here
+        return here
 
     def _branches(self, here: _Here) -> list[_Here]:
         """Return the branches that were found with a surface, the nearest to the goals first: these say which one is sought."""
