@@ -80,3 +80,22 @@ def test_the_exact_measure_takes_the_k_that_was_found(again):
     assert exact.curvature[exact.problem.asked] == pytest.approx(exact.problem.region_targets()[0], rel=1e-9)
     assert np.ptp(exact.vertices[:, 2]) == pytest.approx(2.0, abs=1e-9)
     assert np.abs(exact.vertices - found.vertices).max() < 0.02
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_on_a_mesh_too_coarse_for_its_layout_to_be_told_a_rise_is_met(n):
+    mesh = CGCMesh.from_meshgrid(dx=4.0, nx=n)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.02)
+    result = solve(mesh, goals=[Rise(1.0)], unknown="all")
+    assert result.converged and result.vertices[:, 2].max() == pytest.approx(1.0, abs=1e-9)
+
+
+def test_regions_of_one_vertex_each_whose_unknown_K_meets_every_equation_end_with_a_result():
+    mesh = CGCMesh.from_meshgrid(dx=16.0, nx=8, dy=4.0, ny=2)
+    mesh.set_supports("boundary")
+    mesh.set_creases([[6 * k + j for j in range(3)] for k in (1, 2, 3)])
+    for region in range(4):
+        mesh.set_target(-0.02, region=region)
+    result = solve(mesh, method="projection", goals=[Rise(1.0)], unknown="all")
+    assert result.status in ("converged", "infeasible", "stalled") and np.isfinite(result.vertices).all()

@@ -145,6 +145,9 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     if found is not None:
         problem = replace(problem, targets=found)
     measure = stages.measure_of(system)
+    if status == "converged" and measure == "defect" and not np.array_equal(system.problem.faces, local.faces):
+        # A mesh so coarse that no layout can be told has its K by the angle defects of its own faces.
+        return newton(posed, settings=replace(settings, measure="defect"), callback=callback)
     if measure == "smooth":
         problem = replace(problem, faces=system.problem.faces, targets=system.equations.targets / frame.scale**2)
     if status == "converged" and len(recorder):

@@ -118,7 +118,7 @@ class LeastNorm:
                 self.preconditioner = self._normal_moves()
                 self._own = True
             except SingularMatrixError:
-                pass  # Faces without area: what is found without it has to do.
+                pass  # Faces without area, or unknown K that meet every equation: what is found without it has to do.
             found = self._close(found, goal, KRYLOV if self._own else FEW - EARLY)
         return found if self._common is None else found._replace(multipliers=self._common.transposed(found.multipliers))
 
@@ -138,7 +138,10 @@ class LeastNorm:
         normal = (self._sparse @ across).tocsr()
         transposed = normal.T.tocsr()
         probe = np.cos(np.arange(self.J.shape[0], dtype=np.float64))
-        weight = dot(probe, probe) / (SOFT * dot(probe, self.J @ self._solve(probe)))
+        felt = dot(probe, self.J @ self._solve(probe))
+        if not felt > 0.0:
+            raise SingularMatrixError("no equation depends on a move")
+        weight = dot(probe, probe) / (SOFT * felt)
         spend(rights(FACTORS, self.transposed.shape[0]))
         points = np.empty((across.shape[1], 3))
         points[across.indices] = self.metric.points
