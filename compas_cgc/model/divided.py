@@ -89,14 +89,12 @@ def _halved(problem: CGCProblem, edges: IntArray) -> CGCProblem:
     roles = np.full(len(edges), FREE)
     roles[at - n] = CREASE
     roles[(problem.roles[edges] == FIXED).all(axis=1)] = FIXED
-    # A vertex of a crease belongs to several regions, so that the target is that of the other end, or of the region of a face.
+    # A vertex of a crease belongs to several regions, so that the target is that of the other end, or of the region beside.
     counted = problem.roles[edges] != CREASE
     targets = np.where(counted, problem.targets[edges], 0.0).sum(axis=1) / np.maximum(counted.sum(axis=1), 1)
     both = ~counted.any(axis=1)
-    every = edge_faces(problem.faces)
-    keys = np.sort(every[:, :2], axis=1) @ [n, 1]
-    order = np.argsort(keys)
-    faces = every[order[np.searchsorted(keys[order], edges[both] @ [n, 1])], 2]
+    beside = edge_faces(problem.faces)
+    faces = beside[middles(edges[both], beside[:, :2], 0), 2]
     targets[both] = np.array(problem.region_targets(), dtype=np.float64)[problem.regions()[faces]]
     return CGCProblem(
         np.vstack([V, V[edges].mean(axis=1)]),

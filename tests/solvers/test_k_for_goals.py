@@ -83,7 +83,7 @@ def test_the_exact_measure_takes_the_k_that_was_found(again):
 
 
 @pytest.mark.parametrize("n", [2, 3])
-def test_on_a_mesh_too_coarse_for_its_layout_to_be_told_a_rise_is_met(n):
+def test_a_rise_is_met_on_a_mesh_too_coarse_to_estimate_its_layout_error(n):
     mesh = CGCMesh.from_meshgrid(dx=4.0, nx=n)
     mesh.set_supports("boundary")
     mesh.set_target(0.02)

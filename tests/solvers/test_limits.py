@@ -89,7 +89,7 @@ def panels(target: float, nx: int = 4, ny: int = 2, per: int = 3) -> CGCProblem:
 @pytest.mark.nightly
 def test_the_number_that_is_said_of_panels_with_a_goal_is_true():
     slab = [NearPlane((0, 0, 0), (0, 0, 1), 0.4)]
-    said = solve(panels(4.0), goals=slab).message  # K = 3 is fair with edges half as long, which is said instead
+    said = solve(panels(4.0), goals=slab).message  # for K = 3 the message recommends a finer mesh instead
     most = float(re.search(r"\|K̄\| up to ([\d.]+)", said).group(1))
     assert most > 0.5 and "or more" not in said
     fair, rough = (solve(panels(part * most), goals=slab) for part in (0.95, 1.15))

@@ -146,7 +146,7 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
         problem = replace(problem, targets=found)
     measure = stages.measure_of(system)
     if status == "converged" and measure == "defect" and not np.array_equal(system.problem.faces, local.faces):
-        # A mesh so coarse that no layout can be told has its K by the angle defects of its own faces.
+        # The mesh is too coarse to estimate its layout error; K is then measured by angle defects, on the faces of the drawing.
         return newton(posed, settings=replace(settings, measure="defect"), callback=callback)
     if measure == "smooth":
         problem = replace(problem, faces=system.problem.faces, targets=system.equations.targets / frame.scale**2)

@@ -204,7 +204,7 @@ class _Seeker:
                 yield self._ended(here, "converged", joined([f"{self._found(here)}, to meet {self._names()}", said]))
                 return
             after = self._stepped(here)
-            if is_spent():
+            if after is None and is_spent():
                 return
             if after is None:
                 yield self._ended(here, "infeasible", self._unreachable(here))
